@@ -99,6 +99,12 @@ drawn-studies:
 null-campaigns:
     cargo test --release --locked -p calibration --lib without_a_hidden_effect -- --ignored --nocapture
 
+# Run 100 whole campaigns of each of two effects that are alike by their slopes, and of one that the library lacks, and count names
+# that are right and wrong (minutes).
+[group('trials of the instruments')]
+name-campaigns:
+    cargo test --release --locked -p calibration --lib rates_of_names -- --ignored --nocapture
+
 # Draw ties with known truth, measure once more what is proposed, and write what that resolves to out/next-trials.md (minutes).
 [group('trials of the instruments')]
 next-trials NUMBER="10000":

@@ -9,6 +9,7 @@ pub(crate) mod fits;
 mod linearisation;
 mod plan;
 mod refit;
+pub(crate) mod rivals;
 mod runs;
 mod scatter;
 mod slopes;
@@ -18,15 +19,15 @@ use crate::Error;
 use amplitude_search::worth_a_search;
 use campaign::{Campaign, RunRequest, Simulator};
 pub use candidates::{CandidateMeasurement, OfferedMeasurement};
-use fits::{
-    BLOCKS_OF_FIT, FIRST_BLOCK_ANEW, FIRST_BLOCK_OF_NOISY, Fits, Looks, Visited, sets_to_add,
-};
+use fits::{BLOCKS_OF_FIT, FIRST_BLOCK_ANEW, FIRST_BLOCK_OF_NOISY, Fits, Looks, Visited};
 use linearisation::Linearisation;
 use plan::check;
 pub use plan::{DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition};
 use residual_diagnosis::{
-    CheckedModel, Diagnosis, Options, Problem, ProblemFile, Verdict, diagnose,
+    CheckedModel, Contrast, Diagnosis, Options, Problem, ProblemFile, RefittedModel, Verdict,
+    diagnose,
 };
+use rivals::{Decided, after_and_rivals};
 use runs::At;
 pub(crate) use runs::value;
 use serde::{Deserialize, Serialize};
@@ -77,11 +78,11 @@ pub struct ResidualStudy {
     pub problem: ProblemFile,
     /// Diagnosis of the residual.
     pub diagnosis: Diagnosis,
-    /// The model with the effect added; none where no effect was named. It stays here when the kept
-    /// conditions speak against it and the naming is withdrawn.
+    /// The model with the effect added; none where no effect was named. It stays here when real runs speak against it and the
+    /// naming is withdrawn.
     pub after: Option<AddedEffect>,
-    /// The models in question where they are several, as with each of the tied effects in turn: up to three, the best
-    /// explanation first. They stay here when the kept conditions speak against all of them.
+    /// The other models that real runs have fitted again and that the best of them does not refute, the best first. They stay here
+    /// when the kept conditions speak against them.
     pub rivals: Vec<AddedEffect>,
     /// The candidates for the next measurement, where the diagnosis leaves a question; empty otherwise.
     pub offered: Vec<OfferedMeasurement>,
@@ -216,16 +217,18 @@ fn study_of_all(
     let Looked {
         linear,
         mut file,
-        mut diagnosis,
-        looks,
+        diagnosis,
+        mut looks,
     } = looked_at(&fits, linear, &fit)?;
     let at_fit = &fit.means;
     let errors_before = assemble::errors(plan, observed, &linear, at_fit)?;
-    let sets = sets_to_add(&diagnosis);
-    let (mut added, failed) = fits.with_each(&linear, &sets, &fit, &looks)?;
-    diagnosis.warnings.extend(failed);
-    diagnosis.amplitudes.extend(amplitudes_of(&added));
-    if added.len() == sets.len() {
+    let Decided {
+        mut diagnosis,
+        added,
+        all_could_be_run,
+    } = fits.decided(&linear, &fit, diagnosis, &mut looks)?;
+    diagnosis.warnings.append(&mut looks.warnings);
+    if all_could_be_run && !diagnosis.effects.is_empty() {
         // What could not be run was not refuted.
         diagnosis = checked(&fits, &linear, &fit, (&errors_before, &added), diagnosis)?;
     }
@@ -234,10 +237,7 @@ fn study_of_all(
         file.candidate_experiments = experiments;
         diagnosis = diagnosis.with_next_measurement(&Problem::try_from(file.clone())?)?;
     }
-    let (after, rivals) = match sets.len() {
-        0 | 1 => (added.pop(), Vec::new()),
-        _ => (None, added),
-    };
+    let (after, rivals) = after_and_rivals(&diagnosis, added);
     let pooled = linear.pooled_covariance();
     let sds = (0..pooled.len()).map(|k| pooled[k][k].sqrt());
     let names = plan.observables.iter().cloned();
@@ -301,7 +301,8 @@ fn looked_at(fits: &Fits<'_>, mut linear: Linearisation, fit: &Visited) -> Resul
             (file, diagnosis) = diagnosed(&linear)?;
         }
     }
-    if matches!(diagnosis.verdict, Verdict::Unknown | Verdict::Partial) {
+    // By its slopes no single effect leaves only noise; with a bent response one may.
+    if diagnosis.verdict == Verdict::Unknown || diagnosis.tie_groups.len() > 1 {
         let suspects = fits.suspects(&linear, fit, &diagnosis)?;
         let suspects = worth_a_search(&diagnosis, plan, suspects);
         if !suspects.is_empty() {
@@ -309,7 +310,6 @@ fn looked_at(fits: &Fits<'_>, mut linear: Linearisation, fit: &Visited) -> Resul
             (file, diagnosis) = diagnosed(&linear)?;
         }
     }
-    diagnosis.warnings.append(&mut looks.warnings);
     Ok(Looked {
         linear,
         file,
@@ -339,16 +339,21 @@ fn checked(
     let Some(before) = &before.kept else {
         return Ok(diagnosis);
     };
+    let on_kept = |values: &[Vec<f64>]| {
+        assemble::whitened(plan, observed, linear, &fit.means.n, (values, false))
+    };
+    let (without, _) = on_kept(&fit.means.values)?;
     let mut models = Vec::new();
     for model in added {
-        let means = (&fit.means.values[..], &model.simulated[..]);
-        let contrast = assemble::contrast_on_kept(plan, observed, linear, means, &fit.means.n)?;
-        let names: Vec<&str> = model.effects.keys().map(String::as_str).collect();
-        let checked = model.errors.kept.as_ref().zip(contrast);
-        models.extend(checked.map(|(errors, contrast)| CheckedModel {
-            name: names.join(" and "),
+        let (residual, noise) = on_kept(&model.simulated)?;
+        models.extend(model.errors.kept.as_ref().map(|errors| CheckedModel {
             whitened_mse: errors.whitened_mse,
-            contrast,
+            contrast: Contrast::new(&residual, &without, noise),
+            model: RefittedModel {
+                effects: model.effects.keys().cloned().collect(),
+                residual,
+                noise,
+            },
         }));
     }
     let unused = (0..plan.conditions.len()).filter(|&c| !plan.conditions[c].used);
@@ -364,6 +369,8 @@ mod estimate_tests;
 mod failure_tests;
 #[cfg(test)]
 mod nonlinear_tests;
+#[cfg(test)]
+mod rival_tests;
 #[cfg(test)]
 mod slope_tests;
 #[cfg(test)]

@@ -128,24 +128,11 @@ pub(crate) fn decide(problem: &Problem, options: &Options) -> Result<Decision, E
 }
 
 impl Taken {
-    /// ln of the Bayes factor of the effects against none, where the variance is this many times that of
-    /// the noise.
-    fn ln_factor(&self, variance: f64) -> f64 {
-        let factor = |&(z, sign): &(f64, Sign)| ln_factor_of_effect(z / variance.sqrt(), sign);
-        self.scores.iter().map(factor).sum()
-    }
-
-    /// Whether they help beside an unknown smooth effect, not only in its place.
-    fn help_beside_smooth(&self) -> bool {
-        let together = self.ln_factor(1.0) + ln_factor_of_unknown(&self.fit);
-        together - self.ln_factor_of_unknown > LN_FACTOR_TO_NAME
-    }
-
-    /// Whether they help where something unknown of any shape scatters the values about them, by as much as
-    /// remains: an outside effect that a member resembles in part is no reason to name the member.
-    fn help_beside_scatter(&self) -> bool {
-        let scatter = self.fit.t / self.fit.df.max(1) as f64;
-        self.ln_factor(scatter.max(1.0)) > LN_FACTOR_TO_NAME
+    /// Whether they explain the residual better than an unknown smooth effect, each of them beside those before it.
+    fn beat_unknown(&self) -> bool {
+        let factor = |&(z, sign): &(f64, Sign)| ln_factor_of_effect(z, sign);
+        let together: f64 = self.scores.iter().map(factor).sum();
+        self.each_beats_unknown && together - self.ln_factor_of_unknown > LN_FACTOR_TO_NAME
     }
 }
 
@@ -165,26 +152,22 @@ impl Decision {
         members.sort_unstable();
         members.dedup();
         let adequate = taken.gates.adequate();
-        let beats = taken.each_beats_unknown
-            && taken.ln_factor(1.0) - taken.ln_factor_of_unknown > LN_FACTOR_TO_NAME;
         if !adequate && self.lone_condition_explains(problem, options)? {
             self.verdict = Verdict::Recheck;
             self.suspects = members;
             return Ok(());
         }
-        self.verdict = match (adequate, beats) {
-            (true, true) if members.len() == taken.fit.effects.len() => Verdict::Named,
-            (true, true) => Verdict::Tie,
-            (false, _) if taken.help_beside_smooth() && taken.help_beside_scatter() => {
-                Verdict::Partial
-            }
-            _ => Verdict::Unknown,
-        };
-        if self.verdict == Verdict::Unknown {
-            self.suspects = members;
-        } else {
+        if adequate && taken.beat_unknown() {
+            self.verdict = if members.len() == taken.fit.effects.len() {
+                Verdict::Named
+            } else {
+                Verdict::Tie
+            };
             self.effects = members;
             self.tie_groups = groups;
+        } else {
+            self.verdict = Verdict::Unknown;
+            self.suspects = members;
         }
         self.chosen = taken.fit;
         Ok(())

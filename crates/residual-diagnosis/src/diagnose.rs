@@ -103,6 +103,7 @@ pub fn diagnose(problem: &Problem, options: &Options) -> Result<Diagnosis, Error
             evidence(problem, &decision)
         },
         before_after,
+        refits: Vec::new(),
         runs_on_unused: None,
         next_measurement: None,
         warnings,
@@ -167,10 +168,7 @@ fn compare(
 
 /// Takes back a naming that the unused conditions refute, and says why.
 fn withdraw(decision: &mut Decision, errors: Option<&BeforeAfter>) -> Option<String> {
-    let naming = matches!(
-        decision.verdict,
-        Verdict::Named | Verdict::Tie | Verdict::Partial
-    );
+    let naming = matches!(decision.verdict, Verdict::Named | Verdict::Tie);
     let unused = errors.filter(|_| naming)?.unused.as_ref()?;
     if !unused.contrast.refutes() {
         return None;
@@ -186,8 +184,12 @@ fn withdraw(decision: &mut Decision, errors: Option<&BeforeAfter>) -> Option<Str
     ))
 }
 
-/// Warns of amplitudes that the data want larger than is physically possible.
+/// Warns of amplitudes that the data want larger than is physically possible; not where runs at fitted parameters follow,
+/// which end at amplitudes of their own.
 fn odd_amplitudes(problem: &Problem, decision: &Decision) -> Vec<String> {
+    if problem.at_fit {
+        return Vec::new();
+    }
     let fit = &decision.chosen;
     let amplitudes = fit.effects.iter().zip(&fit.amplitudes);
     amplitudes

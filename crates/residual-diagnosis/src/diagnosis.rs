@@ -6,7 +6,7 @@ use std::fmt;
 
 use crate::summary::summary;
 use crate::tails::upper_tail;
-use crate::{BeforeAfter, Contrast, NextMeasurement};
+use crate::{BeforeAfter, Contrast, NextMeasurement, Refit, RefittedModel};
 
 /// What can be said of a residual.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -18,8 +18,6 @@ pub enum Verdict {
     Named,
     /// One of several effects is missing, and the data cannot tell which.
     Tie,
-    /// The effects help, and something outside the library remains.
-    Partial,
     /// Something is missing, and it cannot be said to be an effect of the library.
     Unknown,
     /// One condition carries the whole residual: measure it again.
@@ -36,7 +34,6 @@ impl fmt::Display for Verdict {
             Self::None => "none",
             Self::Named => "named",
             Self::Tie => "tie",
-            Self::Partial => "partial",
             Self::Unknown => "unknown",
             Self::Recheck => "recheck",
             Self::NotTestable => "not-testable",
@@ -52,7 +49,7 @@ pub struct Diagnosis {
     pub id: String,
     /// What can be said.
     pub verdict: Verdict,
-    /// The effects that are named, or the tie set, or those that help; empty otherwise.
+    /// The effects that are named, or the tie set; empty otherwise.
     pub effects: Vec<String>,
     /// The same in plain language, with what cannot be told.
     pub summary: String,
@@ -89,6 +86,8 @@ pub struct Diagnosis {
     pub evidence: BTreeMap<String, Vec<Evidence>>,
     /// Errors before and after; none when the test was refused or there is no library.
     pub before_after: Option<BeforeAfter>,
+    /// The models that real runs have fitted again, the best first; empty until [`Diagnosis::decided_by_refits`].
+    pub refits: Vec<Refit>,
     /// Whitened mean square on unused conditions by runs of the simulator itself, without and with
     /// the named effects; none until [`Diagnosis::checked_by_runs`].
     pub runs_on_unused: Option<[f64; 2]>,
@@ -232,8 +231,8 @@ const TOLD_APART: f64 = 3.29;
 /// A model in question, by real runs at conditions that nothing has used.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CheckedModel {
-    /// Its effects, in words.
-    pub name: String,
+    /// Its effects, and the residual of its runs.
+    pub model: RefittedModel,
     /// What it leaves, whitened mean square.
     pub whitened_mse: f64,
     /// How it differs there from the model without effects.
@@ -251,8 +250,9 @@ impl Diagnosis {
     /// question, the best explanation first.
     ///
     /// A model does not stand that the values refute (a right one by chance in 5 of 100 cases) or that leaves more than
-    /// noise there (1 of 100). If none stands, the answer is taken back, and the effects become suspects. The errors
-    /// before and after stay.
+    /// noise there (1 of 100): its effects leave the answer, but for those of models that stand. The answer is taken back, and its
+    /// effects become suspects, where none stands, or one is left that the values do not tell from what fell. The errors before and
+    /// after stay.
     #[must_use]
     pub fn checked_by_runs(mut self, before: f64, after: &[CheckedModel], values: usize) -> Self {
         let dof = self.structured_residual.covariance_dof;
@@ -269,12 +269,12 @@ impl Diagnosis {
             let too_small = p.filter(|p| *p < LEAST_P_ON_UNUSED);
             too_small.map(|p| format!("and what is left is more than noise, p {p:.1e}"))
         };
-        let mut stands = None;
+        let (mut standing, mut fallen) = (Vec::new(), Vec::new());
         for model in after {
-            let (name, mse) = (&model.name, model.whitened_mse);
+            let (name, mse) = (model.model.effects.join(" and "), model.whitened_mse);
             match fault(model) {
                 None => {
-                    stands.get_or_insert(mse);
+                    standing.push(&model.model);
                     if model.contrast.separation < TOLD_APART {
                         self.warnings.push(format!(
                             "the unused conditions can hardly tell the model with {name} from the one without: the \
@@ -283,20 +283,33 @@ impl Diagnosis {
                         ));
                     }
                 }
-                Some(reason) => self.warnings.push(format!(
-                    "{name} does not stand: by real runs the whitened mean square on the unused \
-                     conditions goes from {before:.3} to {mse:.3}, {reason}"
-                )),
+                Some(reason) => {
+                    fallen.push(&model.model);
+                    self.warnings.push(format!(
+                        "{name} does not stand: by real runs the whitened mean square on the unused \
+                         conditions goes from {before:.3} to {mse:.3}, {reason}"
+                    ));
+                }
             }
         }
-        let best = after.first().map(|model| model.whitened_mse);
-        self.runs_on_unused = stands.or(best).map(|after| [before, after]);
-        if stands.is_none() && best.is_some() {
-            self.warnings
-                .push("the answer is withdrawn for this".to_owned());
-            self.verdict = Verdict::Unknown;
-            self.suspects = std::mem::take(&mut self.effects);
-            self.tie_groups.clear();
+        let first = |m: &&CheckedModel| standing.first().is_none_or(|s| m.model == **s);
+        let shown = after.iter().find(first);
+        self.runs_on_unused = shown.map(|model| [before, model.whitened_mse]);
+        let level = self.level();
+        let holds = |models: &[&RefittedModel], name: &String| {
+            models.iter().any(|model| model.effects.contains(name))
+        };
+        if let Some(best) = standing.first() {
+            let is_told = |model: &&RefittedModel| model.against(best, level, dof).0;
+            let all_told = fallen.iter().all(is_told);
+            self.keep(|name| holds(&standing, name) || !holds(&fallen, name));
+            if self.verdict == Verdict::Named && !all_told {
+                self.take_back(
+                    "the answer is withdrawn: the unused conditions do not tell what is left of it from what fell".to_owned(),
+                );
+            }
+        } else if shown.is_some() {
+            self.take_back("the answer is withdrawn for this".to_owned());
         }
         self.summary = summary(&self);
         self
@@ -306,7 +319,7 @@ impl Diagnosis {
 #[cfg(test)]
 mod tests {
     use super::{CheckedModel, Verdict};
-    use crate::{Contrast, Options, Problem, ProblemFile, diagnose};
+    use crate::{Contrast, Options, Problem, ProblemFile, RefittedModel, diagnose};
 
     /// A line over four speeds with noise 1, one free level, and a library of one slope, planted with
     /// twenty standard errors.
@@ -326,7 +339,12 @@ mod tests {
     /// Models by the mean square that they leave, and by the score of their difference from the model without them.
     fn models(after: &[[f64; 2]]) -> Vec<CheckedModel> {
         let model = |(name, [whitened_mse, score]): (&str, &[f64; 2])| CheckedModel {
-            name: name.into(),
+            model: RefittedModel {
+                effects: vec![name.into()],
+                // All of it in one value, so that models that differ lie apart.
+                residual: vec![whitened_mse.sqrt() * 2.0, 0.0, 0.0, 0.0],
+                noise: 0.0,
+            },
             whitened_mse: *whitened_mse,
             contrast: Contrast {
                 separation: 5.0,
@@ -360,19 +378,72 @@ mod tests {
         }
     }
 
-    /// Of two effects in question the second stands, or none.
+    /// Of two effects in question the second stands, and the first leaves the answer; or none stands.
     #[test]
-    fn a_tie_is_withdrawn_only_where_no_effect_of_it_stands() {
-        let stays = named().checked_by_runs(9.0, &models(&[[9.1, -4.0], [1.1, 0.0]]), 4);
+    fn what_real_runs_refute_leaves_the_answer() {
+        let mut tied = named();
+        tied.tie_groups = vec![vec!["slope".into(), "curve".into()]];
+        tied.effects = tied.tie_groups[0].clone();
+        let stays = tied
+            .clone()
+            .checked_by_runs(9.0, &models(&[[9.1, -4.0], [1.1, 0.0]]), 4);
         assert_eq!(stays.verdict, Verdict::Named);
+        assert_eq!(stays.effects, ["curve"]);
         assert_eq!(stays.runs_on_unused, Some([9.0, 1.1]));
         let said = stays.warnings.join(" ");
         assert!(said.contains("slope does not stand"), "{said}");
-        let fallen = named().checked_by_runs(9.0, &models(&[[3.4, 0.0], [9.1, -4.0]]), 4);
+        // 2 (sqrt(2) - sqrt(1.1)) = 0.7 standard deviations do not tell them apart.
+        let alike = tied
+            .clone()
+            .checked_by_runs(9.0, &models(&[[2.0, -4.0], [1.1, 0.0]]), 4);
+        assert_eq!(alike.verdict, Verdict::Unknown);
+        assert_eq!(alike.suspects, ["curve"]);
+        let both = tied
+            .clone()
+            .checked_by_runs(9.0, &models(&[[1.2, 0.0], [1.1, 0.0]]), 4);
+        assert_eq!(
+            (both.verdict, both.effects),
+            (Verdict::Tie, tied.effects.clone())
+        );
+        let fallen = tied.checked_by_runs(9.0, &models(&[[3.4, 0.0], [9.1, -4.0]]), 4);
         assert_eq!(fallen.verdict, Verdict::Unknown);
+        assert_eq!(fallen.suspects, ["slope", "curve"]);
         assert_eq!(fallen.runs_on_unused, Some([9.0, 3.4]));
         let said = fallen.warnings.join(" ");
         assert!(said.contains("curve does not stand"), "{said}");
+    }
+
+    /// A model as real runs leave it: four values, the first of which it misses by so much.
+    fn refitted(name: &str, miss: f64) -> RefittedModel {
+        RefittedModel {
+            effects: vec![name.into()],
+            residual: vec![miss, 0.5, -0.5, 0.5],
+            noise: 0.4,
+        }
+    }
+
+    /// The slopes name "slope". Real runs fit "curve" better by 4 standard deviations, and "slope" leaves the answer; by 2, and
+    /// both are in it, the better one first. What was not run is not refuted. Where the best leaves more than noise, nothing
+    /// is named: 4² + 0.75 = 16.75 lies above 11.1, the upper 2.5 % point of chi-square on four.
+    #[test]
+    fn real_runs_decide_between_the_effects() {
+        let decided = |models: &[RefittedModel], open: &[Vec<String>]| {
+            named().decided_by_refits(models, open)
+        };
+        let curve = decided(&[refitted("slope", 4.0), refitted("curve", 0.0)], &[]);
+        assert_eq!(curve.verdict, Verdict::Named, "{}", curve.summary());
+        assert_eq!(curve.effects, ["curve"]);
+        assert!(curve.refits[1].refuted && curve.refits[1].ln_odds_of_best > Some(5.0));
+        let tied = decided(&[refitted("slope", 2.0), refitted("curve", 0.0)], &[]);
+        assert_eq!(tied.verdict, Verdict::Tie, "{}", tied.summary());
+        assert_eq!(tied.effects, ["curve", "slope"]);
+        let open = decided(&[refitted("slope", 0.0)], &[vec!["curve".into()]]);
+        assert_eq!(open.verdict, Verdict::Tie, "{}", open.summary());
+        let poor = decided(&[refitted("slope", 4.0)], &[]);
+        assert_eq!(poor.verdict, Verdict::Unknown, "{}", poor.summary());
+        assert_eq!(poor.suspects, ["slope"]);
+        let unrun = decided(&[], &[vec!["slope".into()]]);
+        assert_eq!(unrun.verdict, Verdict::Unknown, "{}", unrun.summary());
     }
 
     /// With one observable the support is the score itself.

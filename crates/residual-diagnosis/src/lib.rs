@@ -55,6 +55,7 @@ mod next_trials;
 mod power;
 mod problem;
 mod problem_file;
+mod refits;
 mod smooth_basis;
 mod space;
 mod summary;
@@ -79,4 +80,5 @@ pub use problem_file::{
     Condition, CovarianceInput, CovarianceMatrix, ExperimentFile, Largest, Level, PriorPrecision,
     ProblemFile, SensitivityRuns, Sign,
 };
+pub use refits::{Refit, RefittedModel, odds};
 pub use trials::{NearestEffect, TrialRow, Truth, UnusedErrors, trials, usual_truths};

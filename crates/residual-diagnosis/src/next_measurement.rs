@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::Error;
 use crate::diagnosis::{Diagnosis, Unseen, Verdict};
 use crate::problem::{Experiment, Problem};
-use crate::summary::summary;
+use crate::summary::{listed, summary};
 use crate::telling_rows::{Pair, Rows};
 
 /// Separation at which two effects are told apart nearly always: P(wrong) = Phi(-2).
@@ -142,7 +142,28 @@ impl Diagnosis {
             }
             Verdict::NotTestable => unseen(false),
             Verdict::None => unseen(true),
-            Verdict::Named | Verdict::Partial | Verdict::Recheck | Verdict::Refused => Vec::new(),
+            Verdict::Named | Verdict::Recheck | Verdict::Refused => Vec::new(),
+        }
+    }
+
+    /// What to measure next, in words: of the measurements on offer, or else what would have to be offered.
+    pub fn advice(&self) -> Option<String> {
+        if let Some(next) = &self.next_measurement {
+            return Some(next.advice.clone());
+        }
+        let differ = |names: &[String]| {
+            format!(
+                "measure an observable, or in a scene, in which {} differ",
+                listed(names, "and")
+            )
+        };
+        match self.verdict {
+            Verdict::Tie => Some(differ(&self.effects)),
+            Verdict::Unknown if self.suspects.len() > 1 => Some(differ(&self.suspects)),
+            Verdict::Unknown => Some(
+                "measure another observable or in another scene, where what is missing shows more of itself".to_owned(),
+            ),
+            _ => None,
         }
     }
 

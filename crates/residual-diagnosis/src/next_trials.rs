@@ -109,8 +109,8 @@ pub fn next_trials(campaigns: usize, seed: u64) -> Result<NextTrials, Error> {
             let holds = second.effects.contains(&hidden);
             let count = match second.verdict {
                 Verdict::Named if second.effects == [hidden.clone()] => &mut counts.rightly,
-                Verdict::Named | Verdict::Tie | Verdict::Partial if holds => &mut counts.tied,
-                Verdict::Named | Verdict::Tie | Verdict::Partial => &mut counts.wrongly,
+                Verdict::Named | Verdict::Tie if holds => &mut counts.tied,
+                Verdict::Named | Verdict::Tie => &mut counts.wrongly,
                 _ => &mut counts.unknown,
             };
             *count += 1;

@@ -158,7 +158,7 @@ fn campaign(
     let holds = decision.effects.contains(&hidden);
     Ok(match decision.verdict {
         Verdict::Named if decision.effects == [hidden] => 0,
-        Verdict::Named | Verdict::Tie | Verdict::Partial => 2 - usize::from(holds),
+        Verdict::Named | Verdict::Tie => 2 - usize::from(holds),
         Verdict::Unknown | Verdict::Recheck => 3,
         Verdict::None | Verdict::NotTestable | Verdict::Refused => 4,
     })

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 
 use crate::decision::LN_FACTOR_TO_NAME;
 use crate::diagnosis::{Diagnosis, Verdict};
+use crate::refits::odds;
 
 /// Puts a diagnosis into sentences.
 pub(crate) fn summary(d: &Diagnosis) -> String {
@@ -12,11 +13,6 @@ pub(crate) fn summary(d: &Diagnosis) -> String {
         Verdict::None => none(d),
         Verdict::Named => named(d),
         Verdict::Tie => tie(d),
-        Verdict::Partial => format!(
-            "{} helps, but what remains is still more than noise: something outside the library \
-             is missing as well.",
-            listed(&d.effects, "or")
-        ),
         Verdict::Unknown => unknown(d),
         Verdict::Recheck => format!(
             "The residual is more than noise, and one condition carries it: {}. Measure it \
@@ -42,8 +38,8 @@ pub(crate) fn summary(d: &Diagnosis) -> String {
             ),
         );
     }
-    if let Some(next) = &d.next_measurement {
-        append(&mut text, format_args!(" Next: {}.", next.advice));
+    if let Some(advice) = d.advice() {
+        append(&mut text, format_args!(" Next: {advice}."));
     }
     text
 }
@@ -95,9 +91,14 @@ fn named(d: &Diagnosis) -> String {
             None => name.clone(),
         })
         .collect();
-    let (verb, other) = match d.effects.len() {
-        1 => ("is", "no other effect of the library does"),
-        _ => ("are", "no other effects of the library do"),
+    let verb = if d.effects.len() == 1 { "is" } else { "are" };
+    let others = match d.best_rival().map(|r| (&r.effects, r.ln_odds_of_best)) {
+        Some((rival, Some(ln))) => format!(
+            "real runs explain the residual better so than with {}, by odds of {}",
+            listed(rival, "and"),
+            odds(ln)
+        ),
+        _ => "by the slopes no other effect of the library does nearly as well".to_owned(),
     };
     let predicted = d.before_after.as_ref().and_then(|b| b.unused.as_ref());
     let predicted = predicted.map(|u| [u.whitened_mse.before, u.whitened_mse.after]);
@@ -117,9 +118,8 @@ fn named(d: &Diagnosis) -> String {
         None => "; no unused conditions were given to check it".to_owned(),
     };
     format!(
-        "{} {verb} missing: {other} nearly as well, what remains is \
-         noise, and an unknown effect is far less likely{check}. The library may lack the true \
-         cause{last_word}.",
+        "{} {verb} missing: {others}, what remains is noise, and an unknown effect is far less likely{check}. The \
+         library may lack the true cause{last_word}.",
         listed(&amplitudes, "and")
     )
 }
@@ -163,6 +163,12 @@ fn unknown(d: &Diagnosis) -> String {
             LN_FACTOR_TO_NAME.exp()
         );
     }
+    if best > 0.0 {
+        return format!(
+            "Something is missing, but it cannot be named: {suspects} would help, and none of them is shown to explain all \
+             of it."
+        );
+    }
     format!(
         "Something is missing, but it cannot be named: {suspects} would help, and an effect that is not \
          in the library explains the residual as well or better."
@@ -170,7 +176,7 @@ fn unknown(d: &Diagnosis) -> String {
 }
 
 /// `a, b and c`.
-fn listed(names: &[String], last: &str) -> String {
+pub(crate) fn listed(names: &[String], last: &str) -> String {
     match names {
         [] => "no effect".to_owned(),
         [one] => one.clone(),

@@ -71,7 +71,7 @@ pub struct TrialRow {
     pub none: usize,
     /// All hidden effects named, and no other.
     pub named: usize,
-    /// A hidden effect in the tie set, or among the effects that are said to help.
+    /// A hidden effect in the tie set.
     pub tied: usize,
     /// Effects named or tied, none of them hidden.
     pub false_name: usize,

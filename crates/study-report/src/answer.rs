@@ -28,6 +28,7 @@ pub fn answer(study: &ResidualStudy) -> Answer {
         ("How sure", how_sure(study)),
         ("What it changes in the error", errors(study)),
         (parameters_question, parameters(study)),
+        ("Suspects", suspects(study)),
         ("What else it could be", others(study)),
         ("Parameters at a limit", at_limits(study)),
         ("Effects at an end of their range", at_ends(study)),
@@ -64,17 +65,10 @@ fn headline(study: &ResidualStudy) -> String {
             "One of these is missing, and these measurements cannot tell which: {}.",
             listed(&d.effects)
         ),
-        Verdict::Partial => format!(
-            "{} helps, and something outside the library is missing as well.",
-            with_amplitudes()
-        ),
         Verdict::Unknown if d.suspects.is_empty() => {
             "Something is missing that is none of the effects of the library.".into()
         }
-        Verdict::Unknown => format!(
-            "Something is missing. {} would help, but cannot be named.",
-            listed(&d.suspects)
-        ),
+        Verdict::Unknown => "Something is missing, and cannot be named.".into(),
         Verdict::Recheck => format!(
             "One condition carries the whole residual; measure it again: {}.",
             d.recheck_condition.as_deref().unwrap_or("not known")
@@ -88,7 +82,7 @@ fn headline(study: &ResidualStudy) -> String {
     }
 }
 
-/// The chance of the residual by noise, and the odds of what is named over an unknown effect.
+/// The chance of the residual by noise, and the odds of what is named over the best rival that real runs have fitted again.
 fn how_sure(study: &ResidualStudy) -> Option<String> {
     let d = &study.diagnosis;
     let noise = d.structured_residual.p?;
@@ -96,15 +90,20 @@ fn how_sure(study: &ResidualStudy) -> Option<String> {
         "so large a residual by noise alone: {}",
         p_in_words(Some(noise))
     )];
-    if let (Verdict::Named | Verdict::Tie, Some(best)) = (d.verdict, d.effects.first()) {
-        let candidate = d.candidates.get(best)?;
-        let odds = |ln: f64| {
-            let odds = digits(ln.min(700.0).exp());
-            format!("{best} over an unknown smooth effect: odds of {odds} to 1")
+    if let (Verdict::Named | Verdict::Tie, Some(best)) = (d.verdict, d.refits.first()) {
+        let named = best.effects.join(" and ");
+        parts.push(format!(
+            "what {named} leaves by noise: {}",
+            p_in_words(best.p)
+        ));
+        let over = |rival: &residual_diagnosis::Refit| {
+            let odds = residual_diagnosis::odds(rival.ln_odds_of_best?);
+            Some(format!(
+                "{named} over {}, by real runs of both: odds of {odds}",
+                rival.effects.join(" and ")
+            ))
         };
-        parts.extend(candidate.ln_bf_unknown.map(odds));
-        let left = p_in_words(candidate.p_adequacy);
-        parts.push(format!("what it leaves by noise: {left}"));
+        parts.extend(d.refits.iter().skip(1).filter_map(over));
     }
     Some(parts.join("; "))
 }
@@ -177,28 +176,40 @@ fn parameters(study: &ResidualStudy) -> Option<String> {
     (!all.is_empty()).then(|| all.join(", "))
 }
 
+/// Effects that would help where nothing is named.
+fn suspects(study: &ResidualStudy) -> Option<String> {
+    let d = &study.diagnosis;
+    let is_unknown = d.verdict == Verdict::Unknown && !d.suspects.is_empty();
+    is_unknown.then(|| {
+        format!(
+            "{}: by the slopes they would help; none of them is established",
+            listed(&d.suspects)
+        )
+    })
+}
+
 /// Rivals of what is named.
 fn others(study: &ResidualStudy) -> Option<String> {
     let d = &study.diagnosis;
-    if !matches!(d.verdict, Verdict::Named | Verdict::Partial) {
+    if d.verdict != Verdict::Named {
         return None;
     }
-    let held = d.effects.first().and_then(|name| d.candidates.get(name))?;
-    let rival = d
+    let refitted = |name: &String| d.refits.iter().any(|refit| refit.effects.contains(name));
+    let next = d
         .candidates
         .iter()
-        .filter(|(name, c)| !d.effects.contains(name) && c.testable)
+        .filter(|(name, c)| !refitted(name) && c.testable)
         .min_by(|a, b| a.1.t_after.total_cmp(&b.1.t_after));
-    let rival = rival.map(|(name, c)| {
+    let next = next.map(|(name, c)| {
         format!(
-            "{name} comes next and leaves a sum of squares of {} instead of {}; ",
-            fixed(c.t_after, 1),
-            fixed(held.t_after, 1)
+            "of the effects that were not run again {name} comes next, and would leave a sum of squares of {} by its \
+             slopes; ",
+            fixed(c.t_after, 1)
         )
     });
     Some(format!(
         "{}an effect that the library lacks",
-        rival.unwrap_or_default()
+        next.unwrap_or_default()
     ))
 }
 
@@ -224,23 +235,18 @@ fn at_limits(study: &ResidualStudy) -> Option<String> {
     })
 }
 
-/// Effects of which the data would have more than their range holds.
+/// Effects whose amplitude in a model that was run is as large as their range holds.
 fn at_ends(study: &ResidualStudy) -> Option<String> {
-    let d = &study.diagnosis;
-    let at_end = |name: &String| {
-        let amplitude = d.candidates.get(name)?.amplitude?;
+    let at_end = |(name, amplitude): (&String, &f64)| {
         let probe = study.plan.effects.iter().find(|e| e.name == *name)?;
         let [low, high] = probe.range;
         let mut ends = probe.range.into_iter().filter(|end| *end != 0.0);
         let end = ends.find(|end| (amplitude - end).abs() <= AT_AN_END * (high - low))?;
         Some(format!("{name} at {}", digits(end)))
     };
-    let all: Vec<String> = d
-        .effects
-        .iter()
-        .chain(&d.suspects)
-        .filter_map(at_end)
-        .collect();
+    let of_models = study.models().flat_map(|model| &model.effects);
+    let mut all: Vec<String> = of_models.filter_map(at_end).collect();
+    all.dedup();
     (!all.is_empty()).then(|| {
         format!(
             "{}: the data would have more. Where it can be larger, widen the range of its [[effect]] before anything else is \
@@ -278,8 +284,7 @@ fn unseen(study: &ResidualStudy) -> Option<String> {
 
 /// What to measure next.
 fn next(study: &ResidualStudy) -> Option<String> {
-    let next = study.diagnosis.next_measurement.as_ref()?;
-    Some(next.advice.clone())
+    study.diagnosis.advice()
 }
 
 #[cfg(test)]
@@ -307,7 +312,8 @@ mod tests {
         }
     }
 
-    /// An effect of which the data ask for as much as its range holds is told with that end; one inside its range is not.
+    /// An effect whose runs have as much of it as its range holds is told with that end; one inside its range is not, wherever
+    /// its slope would end.
     #[test]
     fn an_effect_at_an_end_of_its_range_is_told() {
         let mut study = twins();
@@ -316,14 +322,50 @@ mod tests {
             let mut found = lines.filter(|(q, _)| *q == "Effects at an end of their range");
             found.next().map(|(_, text)| text)
         };
+        let model = study.models().next().unwrap();
+        let (name, amplitude) = model.effects.first_key_value().unwrap();
+        let (name, amplitude) = (name.clone(), *amplitude);
+        let largest = study.plan.effects[0].range[1];
+        let by_slope = study.diagnosis.candidates.get_mut(&name).unwrap();
+        by_slope.amplitude = Some(largest);
         assert_eq!(line(&study), None);
-        let name = study.diagnosis.effects[0].clone();
-        let amplitude = study.diagnosis.candidates[&name].amplitude.unwrap();
         let probe = study.plan.effects.iter_mut().find(|e| e.name == name);
         probe.unwrap().range = [-amplitude, amplitude];
         let told = line(&study).unwrap();
         assert!(told.starts_with(&format!("{name} at ")), "{told}");
         assert!(told.contains("widen"), "{told}");
+    }
+
+    /// The odds that are shown are those of real runs: twins, fitted again both, are told with odds near 1, of which the slopes and an
+    /// unknown effect know nothing. Where nothing is named, suspects stand apart from the headline, with a measurement.
+    #[test]
+    fn odds_are_those_of_real_runs_and_suspects_are_called_that() {
+        let mut study = twins();
+        let sure = |study: &_| {
+            let lines = answer(study).lines.into_iter();
+            lines
+                .filter(|(q, _)| *q == "How sure")
+                .map(|(_, text)| text)
+                .next()
+                .unwrap()
+        };
+        let told = sure(&study);
+        assert!(
+            told.contains("bow, by real runs of both: odds of")
+                || told.contains("bend, by real runs of both: odds of"),
+            "{told}"
+        );
+        let ln = study.diagnosis.refits[1].ln_odds_of_best.unwrap();
+        assert!(ln < 3.0, "{ln}");
+        study.diagnosis.verdict = Verdict::Unknown;
+        study.diagnosis.suspects = std::mem::take(&mut study.diagnosis.effects);
+        let told = answer(&study);
+        for name in &study.diagnosis.suspects {
+            assert!(!told.headline.contains(name.as_str()), "{told:?}");
+        }
+        let asked = |question| told.lines.iter().any(|(q, _)| *q == question);
+        assert!(asked("Suspects") && asked("Measure next"), "{told:?}");
+        assert!(!sure(&study).contains("odds"), "{told:?}");
     }
 
     /// A parameter at a limit is on the first screen.

@@ -23,7 +23,7 @@ const APART: f64 = 0.2;
 const FARTHER: f64 = 3.0;
 
 /// Part of what the best suspect explains from which on another is searched too.
-const WORTH_A_SEARCH: f64 = 0.5;
+pub(super) const WORTH_A_SEARCH: f64 = 0.5;
 
 /// A stretch of amplitudes between two points that were run, or beyond the last.
 struct Stretch {
@@ -152,7 +152,7 @@ impl Fits<'_> {
 
     /// The point with an effect that fits best, from points that were run and where to begin without one; none where
     /// nothing could be run. Each new point takes a block of seeds, as long as there is one, and joins the others.
-    fn search(
+    pub(super) fn search(
         &self,
         linear: &Linearisation,
         effect: usize,

@@ -5,7 +5,7 @@ use super::runs::{Means, Setting};
 use super::{DeclaredParameter, ErrorPair, Observed, RealErrors, ResidualPlan};
 use crate::Error;
 use nalgebra::{Cholesky, DMatrix, DVector};
-use residual_diagnosis::{Contrast, CovarianceInput, Level, PriorPrecision, ProblemFile};
+use residual_diagnosis::{CovarianceInput, Level, PriorPrecision, ProblemFile};
 use std::collections::BTreeMap;
 
 /// Sum of two covariances, the second scaled.
@@ -233,6 +233,39 @@ pub(super) fn change(
     Ok(sum)
 }
 
+/// Whitened residual of means on the used or on the kept conditions, by so many runs at each; and the sum of the variances that the
+/// runs have in it.
+pub(super) fn whitened(
+    plan: &ResidualPlan,
+    observed: &Observed,
+    linear: &Linearisation,
+    runs: &[usize],
+    (simulated, used): (&[Vec<f64>], bool),
+) -> Result<(Vec<f64>, f64), Error> {
+    let (mut residual, mut noise) = (Vec::new(), 0.0);
+    for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used == used) {
+        let share = 1.0 / runs[c] as f64;
+        let off = |k: usize| observed.values[c][k].map(|y| y - simulated[c][k]);
+        let values: Vec<f64> = observed.measured(c).into_iter().filter_map(off).collect();
+        let values = DVector::from_vec(values);
+        let white = root(observed, linear, share, c)?.solve_lower_triangular(&values);
+        residual.extend(white.iter().flat_map(|white| white.iter().copied()));
+        noise += share * share_of_run(observed, linear, share, c)?;
+    }
+    Ok((residual, noise))
+}
+
+/// Distances of the parameters from their bench means, in standard errors.
+pub(super) fn from_priors<'a>(
+    plan: &'a ResidualPlan,
+    setting: &'a Setting,
+) -> impl Iterator<Item = f64> {
+    plan.declared.iter().filter_map(|d| {
+        let [mean, sd] = d.prior?;
+        Some((setting.parameters[&d.name] - mean) / sd)
+    })
+}
+
 /// Number of values at the used conditions.
 pub(super) fn used_values(plan: &ResidualPlan, observed: &Observed) -> usize {
     let used = (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used);
@@ -249,11 +282,7 @@ pub(super) fn cost(
     simulated: &Means,
 ) -> Result<f64, Error> {
     let rows = used_values(plan, observed);
-    let distance = |d: &DeclaredParameter| {
-        let [mean, sd] = d.prior?;
-        Some((setting.parameters[&d.name] - mean) / sd)
-    };
-    let priors = plan.declared.iter().filter_map(distance);
+    let priors = from_priors(plan, setting);
     let misfit = misfit(plan, observed, linear, simulated)?;
     Ok(misfit * rows as f64 + priors.map(|z| z * z).sum::<f64>())
 }
@@ -277,36 +306,6 @@ pub(super) fn errors(
         used: of(true)?.ok_or(NOTHING_USED)?,
         kept: of(false)?,
     })
-}
-
-/// How two models differ at the kept conditions, and what the values say of it; none where nothing was measured there.
-pub(super) fn contrast_on_kept(
-    plan: &ResidualPlan,
-    observed: &Observed,
-    linear: &Linearisation,
-    (before, after): (&[Vec<f64>], &[Vec<f64>]),
-    runs: &[usize],
-) -> Result<Option<Contrast>, Error> {
-    let [mut without, mut with] = [Vec::new(), Vec::new()];
-    let mut shared = 0.0;
-    for c in (0..plan.conditions.len()).filter(|&c| !plan.conditions[c].used) {
-        let share = 1.0 / runs[c] as f64;
-        let root = root(observed, linear, share, c)?;
-        let measured = observed.measured(c);
-        let residual = |simulated: &[f64]| {
-            let each = measured
-                .iter()
-                .filter_map(|&k| Some((k, observed.values[c][k]?)));
-            DVector::from_iterator(measured.len(), each.map(|(k, y)| y - simulated[k]))
-        };
-        for (list, simulated) in [(&mut without, before), (&mut with, after)] {
-            let white = root.solve_lower_triangular(&residual(&simulated[c]));
-            list.extend(white.iter().flat_map(|w| w.iter().copied()));
-        }
-        shared += share * share_of_run(observed, linear, share, c)?;
-    }
-    let any = !with.is_empty();
-    Ok(any.then(|| Contrast::new(&with, &without, shared)))
 }
 
 /// Errors on the used or on the kept conditions; none where nothing was measured there.

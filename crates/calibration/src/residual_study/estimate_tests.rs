@@ -76,8 +76,10 @@ fn the_error_of_an_amplitude_is_that_of_many_campaigns() {
         let (fit, visited) = fits.declared(&linear).unwrap();
         let linear = linear.with_points(&plan, &visited);
         let sets = [vec!["bend".into()]];
-        let added = fits.with_each(&linear, &sets, &fit, &Looks::default());
-        let (added, _) = added.unwrap();
+        let models = fits.refitted(&linear, &sets, &fit, &mut Looks::default());
+        let models = models.unwrap();
+        let added = fits.completed(&linear, &[&models[0]], &mut Vec::new());
+        let added = added.unwrap();
         let [amplitude, error] = added[0].estimates["bend"];
         let friction = added[0].fitted["a"] - 0.35;
         [

@@ -20,34 +20,10 @@ pub(super) const FIRST_BLOCK_ANEW: u64 = 6;
 pub(crate) const MOST_NOISY: usize = 6;
 pub(super) const FIRST_BLOCK_OF_NOISY: u64 = 14;
 
-/// Block of seeds where the end of a fit with effects is corrected by the slopes about it.
-const BLOCK_OF_ESTIMATE: u64 = 33;
+/// Blocks of seeds where the end of a fit with effects is corrected by the slopes about it; of several effects the first alone.
+pub(crate) const BLOCKS_OF_ENDS: [u64; 2] = [33, 34];
 /// An amplitude is run at twice its end for its estimate; at least so much farther, over it, or else short of it by as much.
 const ROOM: f64 = 0.5;
-
-/// Effects to be added together, one set a model: those that are named, or of a tie each of the best explanations
-/// in turn.
-pub(super) fn sets_to_add(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
-    let groups = &diagnosis.tie_groups;
-    let best: Vec<String> = groups.iter().filter_map(|g| g.first().cloned()).collect();
-    if best.is_empty() {
-        return Vec::new();
-    }
-    let mut sets = vec![best.clone()];
-    let longest = groups.iter().map(Vec::len).max().unwrap_or(0);
-    // The second of each group, then the third of each, and so on.
-    for rank in 1..longest {
-        for (place, group) in groups.iter().enumerate() {
-            if let Some(name) = group.get(rank).filter(|name| !best.contains(name)) {
-                let mut set = best.clone();
-                set[place].clone_from(name);
-                sets.push(set);
-            }
-        }
-    }
-    sets.truncate(MOST_SUSPECTS);
-    sets
-}
 
 /// Why a run failed, where that is the error.
 pub(super) fn failed_run(error: &Error) -> Option<String> {
@@ -57,6 +33,23 @@ pub(super) fn failed_run(error: &Error) -> Option<String> {
         ) => Some(source.in_full()),
         Error::Cell { .. } => Some(error.to_string()),
         _ => None,
+    }
+}
+
+/// What runs of the model with these effects gave; a warning where they failed.
+fn run_or_told<T>(
+    result: Result<T, Error>,
+    effects: &[String],
+    warnings: &mut Vec<String>,
+) -> Result<Option<T>, Error> {
+    match result {
+        Ok(done) => Ok(Some(done)),
+        Err(error) => {
+            let reason = failed_run(&error).ok_or(error)?;
+            let names = effects.join(" and ");
+            warnings.push(format!("the model with {names} could not be run: {reason}"));
+            Ok(None)
+        }
     }
 }
 
@@ -93,6 +86,7 @@ pub(super) struct Visited {
 }
 
 /// What the data ask for about the end of a fit with effects.
+#[derive(Debug, Clone)]
 struct Asked {
     /// Parameters and amplitudes.
     setting: Setting,
@@ -100,6 +94,17 @@ struct Asked {
     estimates: BTreeMap<String, [f64; 2]>,
     /// Standard errors of the parameters.
     fitted_se: BTreeMap<String, f64>,
+}
+
+/// A model with effects, fitted again by real runs at the conditions of the fit.
+#[derive(Debug, Clone)]
+pub(super) struct Refitted {
+    /// Its effects.
+    pub(super) effects: Vec<String>,
+    /// Where the fit has ended.
+    pub(super) end: Visited,
+    /// What the data ask for about it.
+    asked: Asked,
 }
 
 impl Fits<'_> {
@@ -246,38 +251,32 @@ impl Fits<'_> {
         Ok(linear)
     }
 
-    /// The model with each set of effects added; a warning for each that cannot be run.
-    pub(super) fn with_each(
+    /// Fits the model with each set of effects again, by real runs; a warning for each set that cannot be run.
+    pub(super) fn refitted(
         &self,
         linear: &Linearisation,
         sets: &[Vec<String>],
         fit: &Visited,
-        looks: &Looks,
-    ) -> Result<(Vec<AddedEffect>, Vec<String>), Error> {
-        let (mut added, mut warnings) = (Vec::new(), Vec::new());
+        looks: &mut Looks,
+    ) -> Result<Vec<Refitted>, Error> {
+        let mut models = Vec::new();
         for set in sets {
-            match self.with(linear, set, fit, looks) {
-                Ok(model) => added.push(model),
-                Err(error) => {
-                    let reason = failed_run(&error).ok_or(error)?;
-                    let names = set.join(" and ");
-                    warnings.push(format!("the model with {names} could not be run: {reason}"));
-                }
-            }
+            let model = self.refit(linear, set, fit, looks);
+            models.extend(run_or_told(model, set, &mut looks.warnings)?);
         }
-        Ok((added, warnings))
+        Ok(models)
     }
 
     /// Adds effects to the model that was fitted without, and fits parameters and amplitudes together.
     ///
     /// A lone effect that was looked at anew starts there; one whose amplitude was searched is fitted already.
-    fn with(
+    fn refit(
         &self,
         linear: &Linearisation,
         effects: &[String],
         fit: &Visited,
         looks: &Looks,
-    ) -> Result<AddedEffect, Error> {
+    ) -> Result<Refitted, Error> {
         let alone = |look: &&(usize, Visited)| {
             effects == std::slice::from_ref(&self.plan.effects[look.0].name)
         };
@@ -297,36 +296,77 @@ impl Fits<'_> {
         };
         let beside = found.and_then(|look| looks.beside.get(&look.0));
         let about = beside.unwrap_or(linear);
-        let Asked {
-            setting,
-            estimates,
-            fitted_se,
-        } = self.estimates(about, effects, &end)?;
-        let end = self.better_end(linear, end, setting)?;
-        let kept = self.run(&end.setting, end.block, At::Kept)?;
-        let means = end.means.with_kept(kept);
-        Ok(AddedEffect {
-            estimates,
-            errors: assemble::errors(self.plan, self.observed, linear, &means)?,
-            effects: end.setting.effects,
-            fitted: end.setting.parameters,
-            fitted_se,
-            simulated: means.values,
+        let (asked, beyond) = self.asked(about, effects, &end)?;
+        let number = |name: &String| self.plan.effects.iter().position(|e| e.name == *name);
+        let lone = effects.first().filter(|_| effects.len() == 1);
+        let searched = lone.and_then(number).filter(|j| !linear.shares_noise(*j));
+        let Some(effect) = searched else {
+            let end = self.better_end(linear, end, &asked.setting)?;
+            return Ok(Refitted {
+                effects: effects.to_vec(),
+                end,
+                asked,
+            });
+        };
+        // Whoever is compared has ended where another run would gain nothing, and not where what is left may be noise.
+        let of_effect = looks.at.iter().filter(|look| look.0 == effect);
+        let known = of_effect.map(|look| look.1.clone());
+        let mut points: Vec<Visited> = known.chain([end.clone()]).chain(beyond).collect();
+        let runs = (&mut BLOCKS_OF_ENDS.into_iter(), &mut Vec::new());
+        let best = self.search(about, effect, fit, (&mut points, &end.setting), runs)?;
+        let best = best.unwrap_or_else(|| end.clone());
+        let asked = if best.setting == end.setting {
+            asked
+        } else {
+            self.asked(about, effects, &best)?.0
+        };
+        Ok(Refitted {
+            effects: effects.to_vec(),
+            end: best,
+            asked,
         })
     }
 
-    /// What the data ask for about the end of a fit, by the slopes beyond it; without the amplitudes that could not be run.
+    /// Models that were fitted again with their runs at the kept conditions, and what they leave; a warning for each that
+    /// cannot be run there.
+    pub(super) fn completed(
+        &self,
+        linear: &Linearisation,
+        models: &[&Refitted],
+        warnings: &mut Vec<String>,
+    ) -> Result<Vec<AddedEffect>, Error> {
+        let mut added = Vec::new();
+        for model in models {
+            let kept = self.run(&model.end.setting, model.end.block, At::Kept);
+            let Some(kept) = run_or_told(kept, &model.effects, warnings)? else {
+                continue;
+            };
+            let means = model.end.means.clone().with_kept(kept);
+            added.push(AddedEffect {
+                estimates: model.asked.estimates.clone(),
+                errors: assemble::errors(self.plan, self.observed, linear, &means)?,
+                effects: model.end.setting.effects.clone(),
+                fitted: model.end.setting.parameters.clone(),
+                fitted_se: model.asked.fitted_se.clone(),
+                simulated: means.values,
+            });
+        }
+        Ok(added)
+    }
+
+    /// What the data ask for about the end of a fit, by the slopes beyond it, without the amplitudes that could not be run; and
+    /// the points that were run for these slopes.
     ///
     /// A fit by runs ends where what is left is noise, and not quite at the best point. What an effect does may saturate: the
     /// slope from where it is off says that an amplitude is known well which more of it would not change. So each is run at
     /// twice its end, at least by its probe farther, or short of it where its range ends before, and fitted once more by these
     /// slopes. Nearer by, they would be noise, which the fit would follow.
-    fn estimates(
+    fn asked(
         &self,
         linear: &Linearisation,
         effects: &[String],
         end: &Visited,
-    ) -> Result<Asked, Error> {
+    ) -> Result<(Asked, Vec<Visited>), Error> {
         let plan = self.plan;
         let number = |name: &String| plan.effects.iter().position(|e| e.name == *name);
         let beyond = |j: usize| {
@@ -347,12 +387,17 @@ impl Fits<'_> {
         let settings: Vec<_> = beyond.iter().map(|(_, s)| (s.clone(), end.block)).collect();
         let means = runs::means_of_each(self.worker, plan, &settings)?;
         let mut local = linear.clone();
-        let mut known = Vec::new();
-        for ((j, setting), means) in beyond.iter().zip(means) {
+        let (mut known, mut visited) = (Vec::new(), Vec::new());
+        for ((j, setting), means) in beyond.into_iter().zip(means) {
             if let Ok(means) = means {
                 let from = (&end.setting, &end.means);
-                local = local.with_secant(plan, *j, from, (setting, &means));
-                known.push(plan.effects[*j].name.clone());
+                local = local.with_secant(plan, j, from, (&setting, &means));
+                known.push(plan.effects[j].name.clone());
+                visited.push(Visited {
+                    setting,
+                    means,
+                    block: end.block,
+                });
             }
         }
         let at = (&end.setting, &end.means);
@@ -368,11 +413,12 @@ impl Fits<'_> {
         let estimates = told.filter_map(estimate).collect();
         let parameters = plan.declared.iter().zip(of_parameters);
         let fitted_se = parameters.filter_map(|(d, error)| Some((d.name.clone(), (*error)?)));
-        Ok(Asked {
+        let asked = Asked {
             fitted_se: fitted_se.collect(),
             estimates,
             setting,
-        })
+        };
+        Ok((asked, visited))
     }
 
     /// Runs what is asked for about the end of a fit; the better of both.
@@ -380,17 +426,17 @@ impl Fits<'_> {
         &self,
         linear: &Linearisation,
         end: Visited,
-        asked: Setting,
+        asked: &Setting,
     ) -> Result<Visited, Error> {
         let cost =
             |v: &Visited| assemble::cost(self.plan, self.observed, linear, &v.setting, &v.means);
-        if asked == end.setting {
+        if *asked == end.setting {
             return Ok(end);
         }
-        let block = BLOCK_OF_ESTIMATE;
-        let there = match self.run(&asked, block, At::Used) {
+        let [block, _] = BLOCKS_OF_ENDS;
+        let there = match self.run(asked, block, At::Used) {
             Ok(means) => Visited {
-                setting: asked,
+                setting: asked.clone(),
                 means,
                 block,
             },

@@ -167,7 +167,7 @@ impl Linearisation {
     /// and the declared parameters may be others.
     ///
     /// The noise of the fitted point is in the residual already. Of runs that share it, what they do not
-    /// share is left of both points.
+    /// share is left of both points. Two points with as much of the effect say nothing of it.
     ///
     /// # Formula
     ///
@@ -179,9 +179,12 @@ impl Linearisation {
         (fit, at_fit): (&Setting, &Means),
         (setting, on): (&Setting, &Means),
     ) -> Self {
-        self.not_run.remove(&effect);
         let name = &plan.effects[effect].name;
         let amplitude = setting.amplitude(name) - fit.amplitude(name);
+        if amplitude == 0.0 {
+            return self;
+        }
+        self.not_run.remove(&effect);
         let moved = |d: &DeclaredParameter| setting.parameters[&d.name] - fit.parameters[&d.name];
         let moved: Vec<f64> = plan.declared.iter().map(moved).collect();
         let rows = on.values.iter().zip(&at_fit.values);

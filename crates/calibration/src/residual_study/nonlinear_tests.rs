@@ -333,19 +333,3 @@ fn the_error_of_an_amplitude_knows_that_more_of_it_does_no_more() {
         assert!(se > 3.0 * by_slope, "seed {seed}: {se}, {by_slope}");
     }
 }
-
-/// What the slopes about the end of a fit ask for is run, and taken where it fits better: in some of four campaigns the amplitude of
-/// the model is that estimate, to the last bit.
-#[test]
-fn the_end_of_a_fit_is_run_once_more_where_the_slopes_about_it_lead() {
-    let taken = (1..=4).filter(|&seed| {
-        let plan = plan(seed);
-        let truth = |rpm, fill| interacting(rpm, fill, 0.7, 0.4, [3.0, 0.0]);
-        let data = measured(&plan, seed, truth);
-        let study = studied(&INTERACTING, &plan, &data);
-        let after = study.after.unwrap();
-        after.effects["bend"] == after.estimates["bend"][0]
-    });
-    let taken = taken.count();
-    assert!(taken > 0, "{taken} of 4");
-}

@@ -28,13 +28,14 @@ fn a_design_without_degrees_of_freedom_sees_nothing() {
 }
 
 /// A lone effect of twelve standard errors, exactly known, is found in all but a few of 100 campaigns: its score is above
-/// the gate by nine standard deviations, and only an unknown effect can stand in its way. One of a hundredth of a standard
-/// error is nothing: the gates open by chance in 5 of 100, more than 13 with a chance of 0.0005.
+/// the gate by nine standard deviations, and only an unknown effect can stand in its way, in some 10 of 100, or by
+/// chance a rest that is no noise, in 3: of the 87 that are found 80 or fewer come with a chance of 3 %. One of a hundredth of a
+/// standard error is nothing: the gates open by chance in 5 of 100, more than 13 with a chance of 0.0005.
 #[test]
 fn a_large_effect_is_found_and_none_is_not() {
     let rows = power(&design(8, 2, 1), &[0.01, 12.0], 100, 1).unwrap();
     assert!(rows[0].unseen >= 0.87, "{rows:?}");
-    assert!(rows[1].named + rows[1].tied >= 0.9, "{rows:?}");
+    assert!(rows[1].named + rows[1].tied >= 0.8, "{rows:?}");
     for row in rows {
         let sum = row.named + row.tied + row.wrong + row.unknown + row.unseen;
         assert!((sum - 1.0).abs() < 1e-12, "{row:?}");

@@ -129,6 +129,38 @@ pub(super) fn candidates(report: &mut Report, study: &ResidualStudy) -> Result<(
     Ok(())
 }
 
+/// The models that real runs have fitted again, against the best of them; nothing where there is none.
+pub(super) fn refits(report: &mut Report, study: &ResidualStudy) -> Result<(), report::Error> {
+    let refits = &study.diagnosis.refits;
+    if refits.is_empty() {
+        return Ok(());
+    }
+    let mut table = Table::new(
+        "Models with an effect, fitted again by real runs, at the conditions of the fit. A model is refuted where it would be as far \
+         behind the best one in fewer cases than the level of the test if it were right.",
+        vec![
+            Column::text("with"),
+            Column::number("sum of squares left"),
+            Column::number("p of what remains"),
+            Column::text("odds of the best over it"),
+            Column::text("refuted"),
+        ],
+    )?;
+    for refit in refits {
+        table.row([
+            refit.effects.join(" and "),
+            fixed(refit.sum_of_squares, 1),
+            p_value(refit.p),
+            refit
+                .ln_odds_of_best
+                .map_or_else(|| DASH.to_owned(), residual_diagnosis::odds),
+            if refit.refuted { "yes" } else { "no" }.to_owned(),
+        ])?;
+    }
+    report.table(&table);
+    Ok(())
+}
+
 /// Errors of real runs before and after, on used and kept conditions.
 pub(super) fn errors(report: &mut Report, study: &ResidualStudy) -> Result<(), report::Error> {
     let mut columns = vec![
@@ -190,11 +222,11 @@ pub(super) fn not_added(study: &ResidualStudy) -> &'static str {
         (true, false) => "No effect is added: the model with it could not be run.",
         (false, true) => {
             "The effects that explain it best were added to the model in turn, each with a fit of its own, and taken \
-             out because the kept conditions speak against all of them."
+             out because real runs speak against all of them."
         }
         (false, false) => {
             "The effects that explain it best were added to the model in turn, each with a fit of its own; real runs \
-             may not tell them apart either."
+             do not tell them apart."
         }
     }
 }

@@ -38,12 +38,13 @@ pub(super) fn add(
     residual_parts::support(report, study)?;
     report.paragraph(&match residual_parts::added(study) {
         Some(effect) if study.diagnosis.effects.is_empty() => format!(
-            "Tried in the model, fitted again, and taken out because the kept conditions speak \
-             against it: {effect}."
+            "Tried in the model, fitted again, and taken out because real runs speak against it: \
+             {effect}."
         ),
         Some(effect) => format!("Added to the model and fitted again: {effect}."),
         None => residual_parts::not_added(study).to_owned(),
     });
+    residual_parts::refits(report, study)?;
     residual_parts::errors(report, study)?;
     report.paragraph(&kept_errors(study));
     chart(

@@ -103,7 +103,7 @@ impl Outcome {
         Some(match diagnosis.verdict {
             Verdict::None | Verdict::NotTestable | Verdict::Refused => Told::Nothing,
             Verdict::Unknown | Verdict::Recheck => Told::Unknown,
-            Verdict::Named | Verdict::Tie | Verdict::Partial => {
+            Verdict::Named | Verdict::Tie => {
                 let holds = truth.is_some_and(|name| diagnosis.effects.contains(name));
                 match diagnosis.effects.len() {
                     _ if !holds => Told::False,
@@ -127,10 +127,7 @@ impl Outcome {
     pub(crate) fn kept(&self) -> Option<(f64, Option<f64>)> {
         let study = self.study()?;
         let of = |errors: &ErrorPair| errors.kept.as_ref().map(|kept| kept.whitened_mse);
-        let named = matches!(
-            study.diagnosis.verdict,
-            Verdict::Named | Verdict::Tie | Verdict::Partial
-        );
+        let named = matches!(study.diagnosis.verdict, Verdict::Named | Verdict::Tie);
         let best: Option<&AddedEffect> = study.models().next().filter(|_| named);
         Some((of(&study.errors_before)?, best.and_then(|m| of(&m.errors))))
     }

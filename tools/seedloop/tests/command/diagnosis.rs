@@ -66,7 +66,7 @@ fn diagnose(scene: &TinyScene, words: &[&str]) -> Output {
 }
 
 /// The example of the guide: three conditions for the fit, two for the check, three values each. By hand: 2 runs at each of
-/// (1 start + 2 parameters + 4 effects + 50 rounds) x 3 and 4 x 2 conditions are 358.
+/// (1 start + 2 parameters + 4 effects + 56 rounds) x 3 and 4 x 2 conditions are 394.
 #[test]
 fn the_example_says_what_would_be_run_and_runs_nothing() {
     let example = fixture("cotton/blind.toml");
@@ -76,7 +76,7 @@ fn the_example_says_what_would_be_run_and_runs_nothing() {
     assert_code(&output, 0);
     let said = text(&output.stdout);
     // Certain are the start and six steps, the first fit, and its end at the kept ones: 2 (8 x 3 + 2).
-    assert!(said.contains(": 52 to 358 runs"), "{said}");
+    assert!(said.contains(": 52 to 394 runs"), "{said}");
     assert!(said.contains("of one core"), "{said}");
     assert_eq!(said.matches("\n  fit ").count(), 9, "{said}");
     assert_eq!(said.matches("\n  check ").count(), 6, "{said}");
