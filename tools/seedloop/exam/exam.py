@@ -204,7 +204,7 @@ def page():
     for name, (what, hidden, right, _, _) in SETS.items():
         file = KEPT / f"{name}.json"
         if not file.exists():
-            rows.append(f"| {what} | {hidden} | {right} | not run | | | | |")
+            rows.append(f"| {what} | {hidden} | {right} | no answer yet | | | | |")
             continue
         answer = json.loads(file.read_text())
         rows.append(
@@ -215,10 +215,8 @@ def page():
     rows += [f"| {what} | | | not run: {why} | | | | |" for what, why in LEFT_OUT.items()]
     text = f"""# The exam
 
-What the loop answers on data that others measured, beside what is known of them. A wrong name counts worse than `unknown`.
-`just exam` runs all sets and writes this page; `just exam SET` one, `just exam page` none. Stored answers: [exam](exam). Error: mean
-square over noise on the values kept from the fit (1 is noise alone), without and with the effect; time: minutes of processor time
-beyond the runs that sets above it share.
+Data that others measured, and what is known of them (`just exam`; [answers](exam)). A wrong name counts worse than `unknown`. Error: mean
+square over noise on values kept from the fit, without and with the effect. Time: processor minutes beyond runs shared with sets above.
 
 | set | kept from the file | right | answer | | error | time | date |
 |---|---|---|---|---|---|--:|---|
