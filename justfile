@@ -150,17 +150,12 @@ liggghts:
     command -v liggghts > /dev/null || apt-get install --yes liggghts
     LIGGGHTS=liggghts cargo test --release --locked -p seedloop --test peers liggghts -- --ignored --nocapture
 
-# The beads of 4 mm are 6400 and take half the step.
-# Diagnose the wet glass beads, water undeclared and declared, and check dry beads with declared water (hours).
-[group('studies of the bed')]
-water-beads:
-    for water in 1 3 5; do \
-        cargo run --release --locked -p seedloop -- diagnose fixtures/water-beads/wet-$water.toml --resume; \
-        cargo run --release --locked -p seedloop -- diagnose fixtures/water-beads/wet-$water.toml --profile declared --resume; \
-    done
-    for size in 8 4; do \
-        cargo run --release --locked -p seedloop -- calibrate fixtures/water-beads/declared-$size.toml --resume; \
-    done
+# Finished runs are found again, so that it may be stopped and taken up. `just exam page` makes the page alone.
+# Ask the loop what measured data sets lack of which something is known, all of them or those named, and write docs/exam.md (hours).
+[group('the loop')]
+exam *SETS:
+    cargo build --release --locked -p seedloop
+    python3 tools/seedloop/exam/exam.py "{{programs}}/seedloop" "$@"
 
 # Installs the Debian package where it is missing; apt-get may need root.
 # Let two spheres meet in the real LIGGGHTS, in a thick liquid and with cohesion, and hold it to the values that are kept (seconds).

@@ -225,6 +225,7 @@ impl Apparatus {
                 "angle_of_repose_deg",
                 "height_mm",
                 "runout_mm",
+                "length_mm",
                 "toe_angle_deg",
                 "top_angle_deg",
             ],

@@ -105,6 +105,22 @@ impl Outline {
         Some((-slope).atan())
     }
 
+    /// Where seeds no longer lie on seeds, m: the first place beyond the top where the outline stays below one and a half
+    /// diameters of a seed (m) over the width of one, or else the end of the outline. A second layer of spheres rises to 1.7
+    /// diameters at least. What lies before it in a single layer has rolled ahead, the farther the smoother the floor.
+    pub(crate) fn right_foot(&self, diameter: f64) -> f64 {
+        let height = self.height();
+        let top = self.heights.iter().position(|h| *h >= height).unwrap_or(0);
+        let mut low = 0;
+        for (k, height) in self.heights.iter().enumerate().skip(top) {
+            low = if *height < 1.5 * diameter { low + 1 } else { 0 };
+            if self.width * f64::from(low) >= diameter {
+                return self.start + self.width * (k as f64 + 1.0 - f64::from(low));
+            }
+        }
+        self.right_end()
+    }
+
     /// The same outline seen from the other side.
     pub(crate) fn mirrored(&self) -> Self {
         let mut heights = self.heights.clone();
@@ -179,6 +195,27 @@ mod tests {
             let angle = outline.right_flank(part).unwrap().to_degrees();
             assert!((angle - expected).abs() < 0.5, "{part:?}: {angle} deg");
         }
+    }
+
+    /// Two layers of touching spheres of 2 mm, the lower up to 30 mm and the upper up to 19.8 mm, with a hollow of one sphere's
+    /// half in it, and two spheres far ahead: the deposit ends with the upper layer, to a column of 0.5 mm, though the
+    /// outline goes on. A heap that ends at a wall ends there.
+    #[test]
+    fn a_deposit_ends_where_seeds_no_longer_lie_on_seeds() {
+        let at = |x: f64, y: f64| Sphere {
+            centre: Vector3::new(x, y, 0.0),
+            radius: 1e-3,
+        };
+        let lower = (0..15).map(|i| at(1e-3 + 2e-3 * f64::from(i), 1e-3));
+        let upper = [1.0, 2.8, 4.8, 6.8, 9.8, 12.8, 14.8, 16.8, 18.8].map(|x| at(1e-3 * x, 3e-3));
+        let ahead = [0.060, 0.0798].map(|x| at(x, 1e-3));
+        let spheres: Vec<_> = upper.into_iter().chain(lower).chain(ahead).collect();
+        let outline = Outline::of(&spheres, View::AlongZ, 0.5e-3).unwrap();
+        let (foot, end) = (outline.right_foot(2e-3), outline.right_end());
+        assert!((foot - 0.0198).abs() <= 0.5e-3, "foot at {foot} m");
+        assert!((end - 0.0808).abs() <= 0.5e-3, "end at {end} m");
+        let walled = Outline::of(&spheres[..9], View::AlongZ, 0.5e-3).unwrap();
+        assert_eq!(walled.right_foot(2e-3), walled.right_end(), "wall");
     }
 
     #[test]

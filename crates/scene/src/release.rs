@@ -144,6 +144,8 @@ pub fn read_pile(
         ),
     ];
     if let (false, Some(outline)) = (is_heap, outlines.first()) {
+        let length = 1e3 * outline.right_foot(2.0 * largest_radius);
+        all.push(ObservableValues::new("length_mm", "mm", vec![length]));
         for (name, part) in [("toe_angle_deg", TOE), ("top_angle_deg", TOP)] {
             let angle = outline.right_flank(part).map(f64::to_degrees);
             all.push(ObservableValues::new(

@@ -118,7 +118,7 @@ impl Linearisation {
         let at = settings.iter().map(|(setting, _)| setting);
         let points = Points::new(plan, at.zip(means), &moves);
         let Slopes { values, errors } = points.slopes();
-        let (run_covariance, noise_dof) = scatter.by_condition();
+        let (run_covariance, noise_dof) = scatter.by_condition(&nominal.scatter);
         // A difference of two means, each of as many runs as the smaller one at least.
         let n = |probe: &Means| probe.least_n().min(nominal.least_n()) as f64;
         Self {
@@ -149,7 +149,7 @@ impl Linearisation {
         }
         let Slopes { values, errors } = self.points.slopes();
         (self.declared, self.declared_errors) = (values, errors);
-        (self.run_covariance, self.noise_dof) = self.scatter.by_condition();
+        (self.run_covariance, self.noise_dof) = self.scatter.by_condition(&self.nominal.scatter);
         self
     }
 
@@ -317,7 +317,7 @@ impl Linearisation {
     /// to be the same at all settings, and more degrees of freedom make sharper tests.
     pub(super) fn with_scatter(mut self, means: &Means) -> Self {
         self.scatter.add(&means.scatter);
-        (self.run_covariance, self.noise_dof) = self.scatter.by_condition();
+        (self.run_covariance, self.noise_dof) = self.scatter.by_condition(&self.nominal.scatter);
         self
     }
 }

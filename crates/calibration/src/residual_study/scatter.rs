@@ -92,7 +92,7 @@ impl Scatter {
     }
 
     /// Covariance of one run at each condition, and its degrees of freedom: those of the observable whose variances are
-    /// known worst, harmonic means over the conditions.
+    /// known worst, of those that `tested` reads; harmonic means over the conditions.
     ///
     /// # Formula
     ///
@@ -100,7 +100,7 @@ impl Scatter {
     /// degrees of freedom; `d0` and `s0²` come from how the `ln s²` of the conditions scatter beyond what their `d` explain
     /// `[Smyth2004]`, weighted by these as in `[DerSimonian1986]`. Where they do not, by a test at 1 % `[Bartlett1937]`, `d0` is infinite and `s0²` the pooled variance. Correlations are
     /// pooled.
-    pub(super) fn by_condition(&self) -> (Vec<CovarianceMatrix>, f64) {
+    pub(super) fn by_condition(&self, tested: &Self) -> (Vec<CovarianceMatrix>, f64) {
         let (pooled, all) = (self.pooled(), self.all());
         let n = pooled.len();
         let moderations: Vec<Moderation> = (0..n)
@@ -125,7 +125,9 @@ impl Scatter {
             let inverses: f64 = known.iter().map(|d| (moderations[k].dof + d).recip()).sum();
             (known.len() as f64 / inverses).min(all.dof[k][k] as f64)
         };
-        let least = (0..n).map(dof).fold(f64::INFINITY, f64::min);
+        let read = tested.all();
+        let tested = (0..n).filter(|&k| read.variance(k).1 > 0.0);
+        let least = tested.map(dof).fold(f64::INFINITY, f64::min);
         let each = self.conditions.iter().map(of).collect();
         (each, if least.is_finite() { least } else { 0.0 })
     }
@@ -247,7 +249,7 @@ fn chance_of_equal(known: &[(f64, f64)]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::Scatter;
+    use super::{CovarianceMatrix, Scatter};
     use random_stream::Stream;
 
     /// Runs of one observable, normal with these standard deviations.
@@ -261,6 +263,41 @@ mod tests {
         Scatter::of(groups.iter().map(Vec::as_slice), &means)
     }
 
+    /// The covariance of [`scatter`] and its degrees of freedom.
+    fn varied(sds: &[f64], runs: usize, seed: u64) -> (Vec<CovarianceMatrix>, f64) {
+        let all = scatter(sds, runs, seed);
+        all.by_condition(&all)
+    }
+
+    /// An observable that only conditions kept for the check read, with two runs each, leaves the 8 degrees of freedom of the
+    /// fit's own observable alone.
+    #[test]
+    fn what_only_the_check_reads_limits_no_test_of_the_fit() {
+        let rows = |values: &[[f64; 2]]| values.iter().map(|v| v.to_vec()).collect::<Vec<_>>();
+        let used = rows(&[[1.0, f64::NAN], [2.0, f64::NAN], [4.0, f64::NAN]]);
+        let kept = rows(&[[f64::NAN, 1.0], [f64::NAN, 2.0]]);
+        let groups = |group: &Vec<Vec<f64>>, of: [bool; 6]| {
+            of.map(|has| if has { group.clone() } else { Vec::new() })
+        };
+        let on = |of: [bool; 6], group: &Vec<Vec<f64>>, mean: Vec<f64>| {
+            let groups = groups(group, of);
+            let means = vec![mean; 6];
+            Scatter::of(groups.iter().map(Vec::as_slice), &means).only(&of)
+        };
+        let tested = on(
+            [true, true, true, true, false, false],
+            &used,
+            vec![7.0 / 3.0, 0.0],
+        );
+        let mut all = tested.clone();
+        all.add(&on(
+            [false, false, false, false, true, true],
+            &kept,
+            vec![0.0, 1.5],
+        ));
+        assert_eq!(all.by_condition(&tested).1, 8.0);
+    }
+
     /// Twelve conditions, half of them with a threefold standard deviation, eight runs each: the mean of ln(estimate /
     /// truth) over 200 draws is near that of an unbiased variance of 7 degrees of freedom, -1/7, and its scatter below
     /// that of the conditions alone (sqrt(trigamma(7/2)) = 0.57) and of the pooled value (ln 9 / 2 = 1.10). Tolerance:
@@ -270,7 +307,7 @@ mod tests {
         let sds: Vec<f64> = (0..12).map(|c| if c < 6 { 1.0 } else { 3.0 }).collect();
         let (mut sum, mut square, mut n) = (0.0, 0.0, 0.0);
         for seed in 0..200 {
-            let (covariance, _) = scatter(&sds, 8, seed).by_condition();
+            let (covariance, _) = varied(&sds, 8, seed);
             for (c, sd) in covariance.iter().zip(&sds) {
                 let error = (c[0][0] / (sd * sd)).ln();
                 (sum, square, n) = (sum + error, square + error * error, n + 1.0);
@@ -284,7 +321,7 @@ mod tests {
     #[test]
     fn a_condition_without_scatter_has_noise() {
         let sds = [0.0, 1.0, 1000.0, 1.0, 1000.0];
-        let (covariance, _) = scatter(&sds, 3, 1).by_condition();
+        let (covariance, _) = varied(&sds, 3, 1);
         assert!(covariance[0][0][0] > 0.01, "{covariance:?}");
     }
 
@@ -294,7 +331,7 @@ mod tests {
     fn conditions_that_do_not_differ_share_one_variance() {
         let draws = 200;
         let all_pooled = (0..draws).filter(|&seed| {
-            let (covariance, dof) = scatter(&[1.0; 12], 4, seed).by_condition();
+            let (covariance, dof) = varied(&[1.0; 12], 4, seed);
             dof == 36.0 && covariance.iter().all(|c| *c == covariance[0])
         });
         assert!(all_pooled.count() >= 194);

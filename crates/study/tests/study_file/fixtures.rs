@@ -27,6 +27,7 @@ fn the_studies_of_the_repository_read_as_they_are() {
         "water-beads/dry.toml",
         "water-beads/wet-1.toml",
         "water-beads/wet-3.toml",
+        "water-beads/wet-3-rolling.toml",
         "water-beads/wet-5.toml",
     ] {
         Study::read(&fixture(name), None).unwrap_or_else(|error| panic!("{name}: {error}"));
