@@ -34,7 +34,7 @@ pub fn diagnose_at(
         return Ok(left_out("no effect is to be searched"));
     }
     let (plan, observed) = plan(problem, settings, at);
-    let (values, free) = (values_of_fit(&plan, &observed), without_prior(&plan));
+    let (values, free) = (values_of_fit(&plan, &observed), problem.n_tuned());
     if values <= free {
         return Ok(left_out(&format!(
             "{values} measurements of role fit and {free} parameters: what {free} parameters can always meet tests nothing; measure \
@@ -59,11 +59,6 @@ fn values_of_fit(plan: &ResidualPlan, observed: &Observed) -> usize {
     used.map(|c| observed.measured(c).len()).sum()
 }
 
-/// Number of the parameters that nothing holds but the measurements.
-fn without_prior(plan: &ResidualPlan) -> usize {
-    plan.declared.iter().filter(|d| d.prior.is_none()).count()
-}
-
 /// The lists of runs of a diagnosis: those that are certain if nothing fails, and further ones, at most. None where
 /// [`diagnose_at`] leaves it out.
 pub(crate) fn lists_of_diagnosis(
@@ -71,7 +66,7 @@ pub(crate) fn lists_of_diagnosis(
     settings: &LoopSettings,
 ) -> (Vec<RunList>, Vec<RunList>) {
     let (plan, observed) = plan(problem, settings, &problem.start());
-    if problem.effects.is_empty() || values_of_fit(&plan, &observed) <= without_prior(&plan) {
+    if problem.effects.is_empty() || values_of_fit(&plan, &observed) <= problem.n_tuned() {
         return (Vec::new(), Vec::new());
     }
     lists_of(&plan)

@@ -248,7 +248,7 @@ fn study_of_all(
         left_out,
         left_out_conditions: BTreeMap::new(),
         observed: observed.clone(),
-        noise_dof: linear.noise_dof,
+        noise_dof: linear.least_dof(),
         run_sd: names.zip(sds).collect(),
         fitted: declared.zip(fitted).collect(),
         simulated_before: fit.means.values,

@@ -8,6 +8,9 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use residual_diagnosis::{CovarianceInput, Level, PriorPrecision, ProblemFile};
 use std::collections::BTreeMap;
 
+/// Beyond so many degrees of freedom a variance is as good as known.
+const MANY: f64 = 1e6;
+
 /// Sum of two covariances, the second scaled.
 pub(super) fn added(a: &[Vec<f64>], b: &[Vec<f64>], factor: f64) -> Vec<Vec<f64>> {
     a.iter()
@@ -76,7 +79,7 @@ pub(super) fn problem(
             used().map(|c| observed.covariance[c].clone()).collect(),
         )),
         cov_simulator: Some(of_runs(plan, linear, &|c| 1.0 / at_fit.n[c] as f64)),
-        covariance_dof: Some(linear.noise_dof),
+        covariance_dof: Some(covariance_dof(plan, observed, linear, at_fit)),
         declared: plan.declared.iter().map(|d| d.name.clone()).collect(),
         sensitivities_declared: linear.declared.concat(),
         cov_sensitivities_declared: slope_errors
@@ -154,6 +157,29 @@ pub(super) fn root(
     Ok(root.l())
 }
 
+/// Degrees of freedom of the variance of a residual that is known worst: a measurement is known, and runs tell only the rest.
+///
+/// # Formula
+///
+/// Of a sum of a known variance a and an estimated one b with d degrees of freedom: `d ((a + b) / b)²` `[Satterthwaite1946]`.
+fn covariance_dof(
+    plan: &ResidualPlan,
+    observed: &Observed,
+    linear: &Linearisation,
+    at_fit: &Means,
+) -> f64 {
+    let used = (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used);
+    let each = used.flat_map(|c| {
+        let measured = observed.measured(c).into_iter();
+        measured.map(move |k| {
+            let known = observed.covariance[c][k][k];
+            let of_runs = linear.run_covariance[c][k][k] / at_fit.n[c] as f64;
+            linear.noise_dof[k] * ((known + of_runs) / of_runs).powi(2)
+        })
+    });
+    each.fold(MANY, f64::min)
+}
+
 /// Root of so many times the covariance of a run, over the observables that were measured at a condition; with that of
 /// the measurements where the runs are too few to tell it.
 pub(super) fn root_of_runs(
@@ -163,7 +189,7 @@ pub(super) fn root_of_runs(
     condition: usize,
 ) -> Result<DMatrix<f64>, Error> {
     let covariance = scaled(&linear.run_covariance[condition], runs);
-    let known = linear.noise_dof >= (RUNS_TO_KNOW * observed.measured(condition).len()) as f64;
+    let known = linear.least_dof() >= (RUNS_TO_KNOW * observed.measured(condition).len()) as f64;
     match Cholesky::new(of_measured(observed, &covariance, condition)).filter(|_| known) {
         Some(of_runs) => Ok(of_runs.l()),
         None => root(observed, linear, runs, condition),

@@ -1,11 +1,11 @@
 use super::runs::{At, Setting, means};
 use super::tests::{Toy, observed, plan};
 use super::worker::Worker;
-use super::{ResidualPlan, ResidualStudy, StudyCondition, study_residual};
+use super::{Observed, ResidualPlan, ResidualStudy, StudyCondition, study_residual};
 use crate::Error;
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
 use residual_diagnosis::Verdict;
-use run_store::Store;
+use run_store::{Observation, Store};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
@@ -205,10 +205,9 @@ fn a_study_without_any_condition_is_an_error() {
     );
 }
 
-/// "bench" is measured at one condition alone, in a scene of its own, and all runs there fail: it is left out with its observable, and
-/// the planted effect is found by the others. Left behind without a run, the observable would have no degrees of freedom.
-#[test]
-fn a_condition_that_always_fails_takes_its_own_observable_with_it() {
+/// The study of the toy with "bend" hidden and a further observable, "bench", that is measured at one condition alone, in a scene of
+/// its own.
+fn with_bench() -> (ResidualPlan, Observed) {
     let mut plan = plan(1);
     let mut data = observed(&plan, [2.0, 0.0], 1);
     plan.observables.push("bench".into());
@@ -237,6 +236,14 @@ fn a_condition_that_always_fails_takes_its_own_observable_with_it() {
         vec![0.0, 0.0, 0.0],
         vec![0.0, 0.0, 0.01],
     ]);
+    (plan, data)
+}
+
+/// All runs of "bench" fail: it is left out with its observable, and the planted effect is found by the others. Left behind without a
+/// run, the observable would have no degrees of freedom.
+#[test]
+fn a_condition_that_always_fails_takes_its_own_observable_with_it() {
+    let (plan, data) = with_bench();
     let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
     let simulator = Diverging {
@@ -258,4 +265,48 @@ fn a_condition_that_always_fails_takes_its_own_observable_with_it() {
         "{:?}",
         study.left_out_conditions
     );
+}
+
+/// Runs of "bench" differ by rounding, and no effect moves it, so that few pairs of them tell their scatter, with 6 degrees of freedom.
+/// Since the measurement makes all of the variance of its residual, these limit no test, and
+/// the planted effect is found.
+#[test]
+fn a_bench_test_that_repeats_itself_limits_no_test() {
+    struct Rounding;
+    impl Simulator for Rounding {
+        fn version(&self) -> String {
+            "rounding".into()
+        }
+
+        fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+            if request.model != "bench" {
+                return Toy.run(request);
+            }
+            let angle = Observation {
+                mean: 1.0 + f64::EPSILON * (request.seed % 2) as f64,
+                sd: None,
+                n: 1,
+                unit: "1".into(),
+            };
+            Ok(RunOutcome::default().with_observable("angle", angle))
+        }
+    }
+    let (mut plan, data) = with_bench();
+    plan.replicates = 2;
+    for effect in &mut plan.effects {
+        effect.absent.insert("bench".into(), "it has none".into());
+    }
+    let store = Store::in_memory();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let study = study_residual(&campaign, &Rounding, &plan, &data).unwrap();
+    let told = study.diagnosis.summary();
+    assert_eq!(study.diagnosis.verdict, Verdict::Named, "{told}");
+    assert_eq!(study.diagnosis.effects, ["bend"]);
+    assert!(
+        study.left_out_conditions.is_empty(),
+        "{:?}",
+        study.left_out_conditions
+    );
+    let dof = study.problem.covariance_dof.unwrap();
+    assert!(dof > 10.0, "{dof}");
 }

@@ -36,8 +36,8 @@ pub(super) struct Linearisation {
     pub(super) moves: Vec<Vec<bool>>,
     /// Covariance of one run at each condition, pooled over settings, (conditions, observables, observables).
     pub(super) run_covariance: Vec<CovarianceMatrix>,
-    /// Its degrees of freedom.
-    pub(super) noise_dof: f64,
+    /// Degrees of freedom of the variances of each observable, see [`Scatter::by_condition`].
+    pub(super) noise_dof: Vec<f64>,
     /// Scatter of all runs so far.
     scatter: Scatter,
     /// Effects that could not be run at the amplitude that would explain the data.
@@ -311,6 +311,12 @@ impl Linearisation {
         }
         let likely = assemble::likely_mean_square(rows) * rows as f64;
         Ok((contradiction > likely).then_some(corrected))
+    }
+
+    /// The fewest degrees of freedom of an observable; 0 where no runs tell of any scatter.
+    pub(super) fn least_dof(&self) -> f64 {
+        let least = self.noise_dof.iter().copied().fold(f64::INFINITY, f64::min);
+        if least.is_finite() { least } else { 0.0 }
     }
 
     /// The same with the scatter of further means in the covariance: the noise of a run is taken

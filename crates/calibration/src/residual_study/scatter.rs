@@ -91,8 +91,8 @@ impl Scatter {
             .collect()
     }
 
-    /// Covariance of one run at each condition, and its degrees of freedom: those of the observable whose variances are
-    /// known worst, of those that `tested` reads; harmonic means over the conditions.
+    /// Covariance of one run at each condition, and the degrees of freedom of the variances of each observable, harmonic means over
+    /// the conditions; without end for one that `tested` does not read, or whose runs tell nothing of any scatter.
     ///
     /// # Formula
     ///
@@ -100,7 +100,7 @@ impl Scatter {
     /// degrees of freedom; `d0` and `s0²` come from how the `ln s²` of the conditions scatter beyond what their `d` explain
     /// `[Smyth2004]`, weighted by these as in `[DerSimonian1986]`. Where they do not, by a test at 1 % `[Bartlett1937]`, `d0` is infinite and `s0²` the pooled variance. Correlations are
     /// pooled.
-    pub(super) fn by_condition(&self, tested: &Self) -> (Vec<CovarianceMatrix>, f64) {
+    pub(super) fn by_condition(&self, tested: &Self) -> (Vec<CovarianceMatrix>, Vec<f64>) {
         let (pooled, all) = (self.pooled(), self.all());
         let n = pooled.len();
         let moderations: Vec<Moderation> = (0..n)
@@ -126,10 +126,15 @@ impl Scatter {
             (known.len() as f64 / inverses).min(all.dof[k][k] as f64)
         };
         let read = tested.all();
-        let tested = (0..n).filter(|&k| read.variance(k).1 > 0.0);
-        let least = tested.map(dof).fold(f64::INFINITY, f64::min);
+        let of_tested = |k: usize| {
+            if read.variance(k).1 > 0.0 {
+                dof(k)
+            } else {
+                f64::INFINITY
+            }
+        };
         let each = self.conditions.iter().map(of).collect();
-        (each, if least.is_finite() { least } else { 0.0 })
+        (each, (0..n).map(of_tested).collect())
     }
 
     /// How the variances of an observable differ; `pooled` with `dof` where nothing can be said.
@@ -266,7 +271,8 @@ mod tests {
     /// The covariance of [`scatter`] and its degrees of freedom.
     fn varied(sds: &[f64], runs: usize, seed: u64) -> (Vec<CovarianceMatrix>, f64) {
         let all = scatter(sds, runs, seed);
-        all.by_condition(&all)
+        let (covariance, dof) = all.by_condition(&all);
+        (covariance, dof[0])
     }
 
     /// An observable that only conditions kept for the check read, with two runs each, leaves the 8 degrees of freedom of the
@@ -295,7 +301,7 @@ mod tests {
             &kept,
             vec![0.0, 1.5],
         ));
-        assert_eq!(all.by_condition(&tested).1, 8.0);
+        assert_eq!(all.by_condition(&tested).1, [8.0, f64::INFINITY]);
     }
 
     /// Twelve conditions, half of them with a threefold standard deviation, eight runs each: the mean of ln(estimate /
