@@ -305,7 +305,7 @@ error-budget *ARGS:
 step-study FOLDER="out/time-step" RUNS="4":
     cargo run --release --locked -p study --example time_step -- {{FOLDER}} {{RUNS}}
 
-# RUNS runs at the step of the rule, half and a quarter of it (15 minutes of one core for 3). Finished runs in FOLDER are found again.
+# RUNS runs at the step of the rule, half and a quarter of it (25 minutes of one core for 3). Finished runs in FOLDER are found again.
 # Show what the time step does to heaps with attraction or liquid, to dashpots of whole bodies, and to large stones.
 [group('studies of the bed')]
 step-loads FOLDER="out/time-step-of-loads" RUNS="3":
