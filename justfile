@@ -353,6 +353,13 @@ sphere-size FOLDER="out/sphere-size" RUNS="2":
 smoothness FOLDER="out/smoothness" RUNS="4":
     cargo run --release --locked -p study --example smoothness -- {{FOLDER}} {{RUNS}}
 
+# RUNS runs of each point; those with bonded seeds take seven minutes of one core each. Finished runs in FOLDER are found again.
+# Show what covers at rest, dashpots of the body, a smooth filling and bonded seeds change of the published calibration (half an hour of one core for 2).
+[group('studies of the bed')]
+published-models FOLDER="out/published-models" RUNS="2":
+    cargo build --release --locked -p seedloop
+    python3 tools/seedloop/published-models/published_models.py "{{programs}}/seedloop" {{FOLDER}} {{RUNS}}
+
 # Compare rigid agglomerates with bonded ones in a slice of the drum (minutes).
 [group('studies of the bed')]
 rigid-or-bonded *ARGS:
