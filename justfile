@@ -307,7 +307,7 @@ error-budget *ARGS:
 step-study FOLDER="out/time-step" RUNS="4":
     cargo run --release --locked -p study --example time_step -- {{FOLDER}} {{RUNS}}
 
-# RUNS runs at the step of the rule, half and a quarter of it (15 minutes of one core for 3). Finished runs in FOLDER are found again.
+# RUNS runs at the step of the rule, half and a quarter of it (25 minutes of one core for 3). Finished runs in FOLDER are found again.
 # Show what the time step does to heaps with attraction or liquid, to dashpots of whole bodies, and to large stones.
 [group('studies of the bed')]
 step-loads FOLDER="out/time-step-of-loads" RUNS="3":
@@ -362,6 +362,13 @@ sphere-size FOLDER="out/sphere-size" RUNS="2":
 [group('studies of the bed')]
 smoothness FOLDER="out/smoothness" RUNS="4":
     cargo run --release --locked -p study --example smoothness -- {{FOLDER}} {{RUNS}}
+
+# RUNS runs of each point; those with bonded seeds take seven minutes of one core each. Finished runs in FOLDER are found again.
+# Show what covers at rest, dashpots of the body, a smooth filling and bonded seeds change of the published calibration (half an hour of one core for 2).
+[group('studies of the bed')]
+published-models FOLDER="out/published-models" RUNS="2":
+    cargo build --release --locked -p seedloop
+    python3 tools/seedloop/published-models/published_models.py "{{programs}}/seedloop" {{FOLDER}} {{RUNS}}
 
 # Compare rigid agglomerates with bonded ones in a slice of the drum (minutes).
 [group('studies of the bed')]

@@ -111,6 +111,32 @@ fn every_folder_of_fixtures_tells_its_origin_and_licence() {
     );
 }
 
+/// What a user needs is not found in more pages than can be read. Words are counted as `wc -w` counts them.
+#[test]
+fn pages_have_at_most_twenty_thousand_words() {
+    const LIMIT: usize = 20_000;
+    let docs = root().join("docs");
+    let pages = files().into_iter().filter(|path| path.starts_with(&docs));
+    let pages = pages.filter(|path| path.extension().is_some_and(|end| end == "md"));
+    let mut words: Vec<(usize, String)> = pages
+        .map(|path| {
+            let text = text_of(&path).expect("a page is text");
+            (text.split_whitespace().count(), shown(&path))
+        })
+        .collect();
+    words.sort();
+    let all: usize = words.iter().map(|(count, _)| count).sum();
+    let longest = words.iter().rev().take(5);
+    let longest: Vec<String> = longest
+        .map(|(count, page)| format!("{page}: {count}"))
+        .collect();
+    assert!(
+        all <= LIMIT,
+        "docs has {all} words, {LIMIT} at most; generated tables and old figures first; the longest pages are {}",
+        longest.join(", ")
+    );
+}
+
 /// Generated pictures and meshes aside, a large file in the tree is one that slipped in.
 #[test]
 fn no_file_is_larger_than_four_mebibytes() {

@@ -8,9 +8,9 @@
 //! diagnosed again. After MINUTES no further campaign begins.
 //! A size is a multiple of the smallest amplitude that the measurements show with a chance of 90 %, never above the
 //! largest that is physically possible; an effect that cannot reach half of a size is left to the smaller one.
-//! Finished runs are kept in FOLDER and found again. Prints a page in Markdown; each diagnosis is written whole to
-//! FOLDER, and the linear problem of the whole library, as it is when nothing is hidden, to FOLDER/problem.json, for
-//! `just trials`.
+//! Finished runs are kept in FOLDER and found again. Prints a page in Markdown; FOLDER/rows.md has a row for each effect and
+//! size. Each diagnosis is written whole to FOLDER, and the linear problem of the whole library, as it is when nothing is
+//! hidden, to FOLDER/problem.json, for `just trials`.
 
 #![expect(clippy::print_stdout, reason = "the page is the purpose")]
 #![expect(
@@ -94,6 +94,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let text = if follows {
         next::text(&next, &page.outcomes, &work)
     } else {
+        std::fs::write(folder.join("rows.md"), page.table())?;
         page.text(&work)
     };
     println!("{text}");

@@ -1,4 +1,4 @@
-//! The page: every campaign by effect and size, the goals, and what cannot be told.
+//! The page: the goals, and what cannot be told; and every campaign by effect and size.
 
 use crate::goals;
 use crate::outcome::{Outcome, Told, Work};
@@ -16,11 +16,17 @@ their bench values. The diagnosis knows the study alone and searches the whole l
 other seeds. One drum and one heap are kept aside. All rows share the runs for the first sensitivities, and their noise.
 
 `size`: the hidden amplitude over the smallest one that these measurements show with a chance of 90 % (linear model
-about the start), within what is physically possible; effects that cannot reach half of it are left out. `answer`:
-the truth named, in a tie (number of effects), another name (`false`), `unknown`, or `none`, for each truth in turn. `kept`:
-whitened mean square on what is kept aside, by real runs, before and after the best explanation; 1 is noise.
-`ideal`, among the goals: what a rule could tell that knew the truth's direction, by the linear problem of each
-campaign. Slopes are exact and effects proportional there, so that this bound is generous.
+about the start); effects that cannot reach half of it within what is physically possible are left out. `ideal`: what a
+rule could tell that knew the truth's direction, by the linear problem of each campaign. Slopes are exact and effects
+proportional there, so that this bound is generous. `rows.md` in the folder of the runs has every campaign.
+";
+
+/// What the table of all campaigns shows.
+const TABLE_HEAD: &str = "`answer`: the truth named, in a tie (number of effects), another name (`false`), `unknown`, or `none`, for \
+each truth in turn. `kept`: whitened mean square on what is kept aside, by real runs, before and after the best explanation; 1 is noise.
+
+| hidden | size | amplitude: hidden, found | answer | kept: before -> after |
+|---|--:|---|---|---|
 ";
 
 /// Bound below which the likelihood errs in more than one case of six.
@@ -84,7 +90,6 @@ impl Page {
     /// The page in Markdown.
     pub(crate) fn text(&self, work: &Work) -> String {
         let mut text = format!("{HEAD}\n");
-        self.write_table(&mut text);
         self.write_coverage(&mut text);
         self.write_nothing(&mut text);
         goals::write(&self.outcomes, &mut text);
@@ -93,11 +98,9 @@ impl Page {
         text
     }
 
-    /// One row for each effect and size.
-    fn write_table(&self, text: &mut String) {
-        text.push_str(
-            "| hidden | size | amplitude: hidden, found | answer | kept: before -> after |\n|---|--:|---|---|---|\n",
-        );
+    /// All campaigns, one row for each effect and size.
+    pub(crate) fn table(&self) -> String {
+        let mut text = TABLE_HEAD.to_owned();
         let mut rows: BTreeMap<(&str, u64), Vec<&Outcome>> = BTreeMap::new();
         for outcome in &self.outcomes {
             if let Some((name, _)) = &outcome.hidden.effect {
@@ -125,6 +128,7 @@ impl Page {
                 join(kept),
             );
         }
+        text
     }
 
     /// How many effects the rates are made of.
@@ -135,7 +139,7 @@ impl Page {
             let names = of_size.filter_map(|o| Some(&o.hidden.effect.as_ref()?.0));
             names.collect::<BTreeSet<_>>().len()
         };
-        let _ = writeln!(text, "\nOf the {} effects of the library:", self.library);
+        let _ = writeln!(text, "Of the {} effects of the library:", self.library);
         for size in crate::SIZES {
             let (hidden, answered) = (names(size, false), names(size, true));
             let _ = writeln!(
