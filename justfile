@@ -112,24 +112,23 @@ next-trials NUMBER="10000":
     cargo run --release --locked -p residual-diagnosis --example next_trials -- {{NUMBER}} > out/next-trials.md
 
 # Finished runs in FOLDER are found again, so that it may be stopped and taken up.
-# Hide each effect of the library in data that the solver makes, diagnose them, and write the page (hours of one core).
+# Hide each effect of the library in data that the solver makes, diagnose them, and write FOLDER/campaigns.md (hours of one core).
 [group('trials of the instruments')]
 effect-trials REPLICATES="2" NOTHING="10" MINUTES="240" FOLDER="out/effect-trials":
     cargo build --release --locked -p study --example effect_trials
     mkdir -p {{FOLDER}}
     "{{programs}}/examples/effect_trials" campaigns fixtures/cotton/trials.toml {{FOLDER}} {{REPLICATES}} {{NOTHING}} {{MINUTES}} > {{FOLDER}}/campaigns.md
     printf '\n`just effect-trials {{REPLICATES}} {{NOTHING}}`, %s.\n' "$(date -I)" >> {{FOLDER}}/campaigns.md
-    mkdir -p docs/effect-trials && mv {{FOLDER}}/campaigns.md docs/effect-trials/
 
 # Finished runs in FOLDER are found again, so that it may be stopped and taken up.
-# Hide effects where one drum cannot tell them apart, make the measurement that the diagnosis recommends, and write the page (two hours).
+# Hide effects where one drum cannot tell them apart, make the measurement that the diagnosis recommends, and write FOLDER/next.md (two
+# hours).
 [group('trials of the instruments')]
 next-effect-trials REPLICATES="8" MINUTES="120" FOLDER="out/next-effect-trials":
     cargo build --release --locked -p study --example effect_trials
     mkdir -p {{FOLDER}}
     "{{programs}}/examples/effect_trials" next fixtures/cotton/next-trials.toml {{FOLDER}} {{REPLICATES}} 1 {{MINUTES}} > {{FOLDER}}/next.md
     printf '\n`just next-effect-trials {{REPLICATES}} {{MINUTES}}`, %s.\n' "$(date -I)" >> {{FOLDER}}/next.md
-    mkdir -p docs/effect-trials && mv {{FOLDER}}/next.md docs/effect-trials/
 
 # Check the solver against mechanics and write the table.
 [group('one step of it')]

@@ -22,7 +22,7 @@ Campaigns with known truth, drawn from the design of a problem: its conditions, 
 the noise of the values, its estimate, the noise of the sensitivities (the rules see others than made the
 data), declared parameters mis-tuned with the covariance of their fit, and bench means about the true values.
 Effects act linearly here; what the curvature of a real simulator adds shows only in campaigns by the
-simulator itself ([campaigns](effect-trials/campaigns.md)).
+simulator itself (`just effect-trials`).
 
 Strength is the amplitude of the hidden effect over its standard error after re-tuning; for a bad value, its
 error over its standard deviation. Columns are shares of the campaigns in percent. `in the tie set`: one of
