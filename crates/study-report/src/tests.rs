@@ -12,7 +12,7 @@ use crate::test_input::{Example, example};
 use crate::test_residual::twins;
 use crate::test_scene::frame;
 use crate::{Extent, write};
-use calibration::{DiagnosisStage, Role};
+use calibration::{DiagnosisStage, InputEstimate, Role};
 use std::collections::BTreeMap;
 
 /// The page of an example.
@@ -285,6 +285,31 @@ fn what_is_not_there_leaves_no_heading_and_no_file() {
             "solutions.csv"
         ]
     );
+}
+
+/// An input with its stated value and error, what it becomes, how far it moved and by how much it moves each parameter, which is 0 for
+/// one that it does not touch.
+#[test]
+fn inputs_are_on_the_first_screen_with_what_they_move() {
+    let mut example = example();
+    let first = example.calibration.parameters[0].clone();
+    example.calibration.inputs = vec![InputEstimate {
+        symbol: "fill".into(),
+        name: "of the drum".into(),
+        unit: "1".into(),
+        sets: Vec::new(),
+        stated: 0.35,
+        sd: 0.01,
+        value: 0.372,
+        se: 0.004,
+        moved: 2.2,
+        moves: BTreeMap::from([(first.symbol, -0.5)]),
+    }];
+    let page = page(&example);
+    let row = row(&page, "fill of the drum");
+    assert_eq!(row[1..4], ["0.350 ± 0.010", "0.3720 ± 0.0040", "+2.2"]);
+    assert!(row[4].trim_start_matches('−').starts_with("0.5"), "{row:?}");
+    assert!(row[5].starts_with('0'), "{row:?}");
 }
 
 #[test]
