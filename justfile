@@ -88,8 +88,7 @@ trials NUMBER="200":
     mkdir -p out
     "{{programs}}/examples/trials" {{NUMBER}} fixtures/diagnosis/drum/problem.json fixtures/diagnosis/library/problem.json fixtures/diagnosis/single/problem.json fixtures/diagnosis/tie/problem.json > out/trials.md
 
-# Calibrate 1000 drawn studies of known truth of each kind, and print how often the intervals hold it (half an hour; STUDIES=400
-# and KIND=G make it less).
+# Calibrate 1000 drawn studies of known truth of each kind, and print how often the intervals hold it (half an hour).
 [group('trials of the instruments')]
 drawn-studies:
     cargo test --release --locked -p calibration --test whole_loop table_of_drawn -- --ignored --nocapture

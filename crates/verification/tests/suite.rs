@@ -33,6 +33,7 @@ checks! {
     free_rotation_follows_euler: "free-rotation",
     gravity_does_not_count_spheres: "gravity-overlap",
     rebound_does_not_count_spheres: "rebound-sphere-count",
+    whole_seeds_rebound_as_rigid_bodies: "whole-seed-damping",
     energy_ledger_closes: "energy-ledger",
     mesh_walls_are_analytic_walls: "mesh-wall",
     moving_walls_carry_bodies: "moving-wall",

@@ -24,7 +24,7 @@ fn a_condition_without_an_observable_is_refused() {
     );
     tells(
         &wrong(&study),
-        &["line 4", "holds no measurement", "or photos"],
+        &["line 35", "holds no measurement", "or photos"],
     );
 }
 
