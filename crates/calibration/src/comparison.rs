@@ -11,6 +11,9 @@ use std::collections::BTreeMap;
 /// Chance that one of the measurements of a role fails although all agree.
 const ALPHA: f64 = 0.05;
 
+/// Standard errors by which what slopes tell must exceed 0.
+const NOISE: f64 = 2.0;
+
 /// What is known of the models: surfaces about the estimate, pooled scatter.
 pub(crate) type SurfacesByModel = BTreeMap<usize, Surface>;
 
@@ -71,12 +74,12 @@ fn parameter_variance(
     variance.is_finite().then_some(variance)
 }
 
-/// How far an observable moves from a point if the tuned parameters go to the farther ends of their ranges.
+/// How far an observable moves from a point, at least, if the tuned parameters go to the farther ends of their ranges.
 ///
 /// # Formula
 ///
-/// The sum of `sqrt(g² - var g)` times the way, over the parameters whose slope g is more than its standard error: noise alone gives
-/// `g² = var g` on average.
+/// `|g|'w - 2 sqrt(s'C s)`, or 0 if that is less: g the slopes, w the ways, s the ways with the signs of the slopes, C the covariance
+/// of the slopes. What noise makes of slopes that are none moves nothing.
 fn reach(
     problem: &CalibrationProblem,
     surface: &Surface,
@@ -85,14 +88,16 @@ fn reach(
 ) -> Option<f64> {
     let k = surface.place(observable)?;
     let slopes = surface.slopes(k, at);
-    let noise = surface.slope_covariance(at) * surface.covariance[(k, k)];
-    let each = surface.tuned().iter().enumerate().map(|(place, &j)| {
+    let mut ways = DVector::zeros(slopes.len());
+    for (place, &j) in surface.tuned().iter().enumerate() {
         let [low, high] = problem.parameters[j].range;
         let way = (high - at[j]).abs().max((at[j] - low).abs());
-        let square = slopes[place].powi(2) - noise[(place, place)];
-        way * square.max(0.0).sqrt()
-    });
-    Some(each.sum())
+        ways[place] = way * slopes[place].signum();
+    }
+    let covariance = surface.slope_covariance(at) * surface.covariance[(k, k)];
+    let noise = (&covariance * &ways).dot(&ways).max(0.0).sqrt();
+    let moves = DVector::from_vec(slopes).dot(&ways);
+    Some((moves - NOISE * noise).max(0.0))
 }
 
 /// One measurement.

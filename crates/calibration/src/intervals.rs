@@ -1,9 +1,12 @@
 //! From the least misfit to standard errors, intervals, correlations, and what the data leave open.
 
+use crate::information::{
+    bounded_inverse, by_inputs, spread_added, with_noisy_inputs, without_inputs,
+};
 use crate::joint_fit::{JointFit, Minimum, Target, Whitening};
 use crate::noisy_slopes::{noise_beside_inputs, noise_of_inputs, standing_out, without_noise};
 use crate::{Error, Estimate, FitTest, InputEstimate, OpenCombination, Parameter, Prior};
-use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use probability::{f_upper_tail, normal_quantile, t_two_sided_quantile};
 use std::collections::BTreeMap;
 
@@ -13,12 +16,8 @@ const TAILS: f64 = 0.05;
 const MANY: f64 = 1e6;
 /// Half the width of the limits, in widths of them: a combination with such a half interval or a wider one is open.
 const OPEN: f64 = 0.5;
-/// Information of an even spread over the limits, in 1 / widths²: the variance of that is 1/12.
-const EVEN_SPREAD: f64 = 12.0;
 /// Share of a parameter (its squared weights) in open combinations from which it counts as open itself.
 const SHARE: f64 = 0.1;
-/// Information along a combination, over the largest of a parameter, below which there is none.
-const IMITATED: f64 = 1e-12;
 /// Halvings of the bracket of an end of an interval.
 const HALVINGS: usize = 40;
 /// Distance from a limit, in widths of the limits, at which an estimate lies on it.
@@ -62,89 +61,6 @@ fn directions(information: &DMatrix<f64>) -> Vec<Direction> {
         se: 1.0 / value.max(0.0).sqrt(),
     })
     .collect()
-}
-
-/// The information on the tuned parameters, which come first, if the inputs behind them are left to what is known of them.
-///
-/// # Formula
-///
-/// `M_tt - M_ti M_ii^-1 M_it`, the complement of Schur.
-fn without_inputs(information: &DMatrix<f64>, tuned: usize) -> DMatrix<f64> {
-    let inputs = information.nrows() - tuned;
-    let own = information.view((0, 0), (tuned, tuned)).into_owned();
-    let across = information.view((tuned, 0), (inputs, tuned)).into_owned();
-    let of_inputs = information.view((tuned, tuned), (inputs, inputs));
-    // The prior of each input is in it, so that it has a root.
-    match Cholesky::new(of_inputs.into_owned()) {
-        Some(root) if inputs > 0 => own - across.tr_mul(&root.solve(&across)),
-        _ => own,
-    }
-}
-
-/// An information matrix without what the noise of the slopes along the inputs adds to it.
-///
-/// # Formula
-///
-/// `M_ii = M_it M_tt^-1 M_ti + E + P`: the first part is that of slopes along inputs which those along tuned parameters imitate, P the
-/// priors, and E what is left, by which the two are told apart. Noise alone gives E on average N, so that `E - N` stays, or nothing.
-fn with_noisy_inputs(
-    fit: &JointFit<'_>,
-    information: &DMatrix<f64>,
-    noise: &DMatrix<f64>,
-    width: &[f64],
-) -> DMatrix<f64> {
-    let tuned = fit.n_tuned();
-    let inputs = noise.nrows();
-    let mut corrected = information.clone();
-    if inputs == 0 {
-        return corrected;
-    }
-    let precision = |i: usize| {
-        let sd = fit.parameters[tuned + i]
-            .prior
-            .map_or(f64::INFINITY, |p| p.sd);
-        (width[tuned + i] / sd).powi(2)
-    };
-    let priors = DMatrix::from_fn(
-        inputs,
-        inputs,
-        |a, b| if a == b { precision(a) } else { 0.0 },
-    );
-    let own = information.view((0, 0), (tuned, tuned)).into_owned();
-    let across = information.view((0, tuned), (tuned, inputs)).into_owned();
-    let of_inputs = information
-        .view((tuned, tuned), (inputs, inputs))
-        .into_owned();
-    let least = IMITATED * own.diagonal().amax();
-    let inverse = along_directions(&own, |v| if v > least { 1.0 / v } else { 0.0 });
-    let imitated = across.tr_mul(&(inverse * &across));
-    let apart = of_inputs - &priors - &imitated - noise;
-    let apart = along_directions(&apart, |v| v.max(0.0));
-    let mut block = corrected.view_mut((tuned, tuned), (inputs, inputs));
-    block.copy_from(&(imitated + apart + priors));
-    corrected
-}
-
-/// By how much each tuned parameter moves, in its unit, if an input is one standard deviation larger than it was stated and the
-/// other inputs are left to what is known of them, (tuned, inputs).
-///
-/// # Formula
-///
-/// `-M_oo^-1 M_oi`, M the information on all parameters, o all of them but the input i.
-fn by_inputs(fit: &JointFit<'_>, information: &DMatrix<f64>, width: &[f64]) -> DMatrix<f64> {
-    let tuned = fit.n_tuned();
-    let mut moves = DMatrix::zeros(tuned, fit.parameters.len() - tuned);
-    for (place, i) in (tuned..fit.parameters.len()).enumerate() {
-        let others = information.clone().remove_row(i);
-        let across = others.column(i).into_owned();
-        let others = bounded_inverse(&others.remove_column(i));
-        let sd = fit.parameters[i].prior.map_or(0.0, |prior| prior.sd);
-        let column = others * across * (-sd / width[i]);
-        for j in 0..tuned {
-            moves[(j, place)] = column[j] * width[j];
-        }
-    }
-    moves
 }
 
 /// Whether a parameter takes part in a combination whose interval, `t` standard errors to each side, is as wide as the limits.
@@ -193,8 +109,12 @@ impl Uncertainty {
         scaled.view_mut((0, 0), (n, tuned)).copy_from(&known.slopes);
         let by_fit = scaled.tr_mul(&scaled);
         let noise = noise_of_inputs(fit, best, whitening, &width);
+        let inputs = fit.parameters[tuned..].iter().zip(&width[tuned..]);
+        let precisions: Vec<f64> = inputs
+            .filter_map(|(input, width)| Some((width / input.prior?.sd).powi(2)))
+            .collect();
         let corrected =
-            |scaled: &DMatrix<f64>| with_noisy_inputs(fit, &scaled.tr_mul(scaled), &noise, &width);
+            |scaled: &DMatrix<f64>| with_noisy_inputs(&scaled.tr_mul(scaled), &noise, &precisions);
         let mut all = corrected(&scaled);
         if tuned < k {
             let of_inputs = all
@@ -225,7 +145,8 @@ impl Uncertainty {
         Self {
             directions: directions(&marginal),
             by_data: directions(&(&marginal - priors)),
-            by_inputs: by_inputs(fit, &all, &width),
+            by_inputs: DMatrix::from_diagonal(&DVector::from_column_slice(&width[..tuned]))
+                * by_inputs(&all, &precisions),
             covariance: unscale(grown),
             inflation,
             degrees_of_freedom,
@@ -581,24 +502,6 @@ fn variance_dof(fit: &JointFit<'_>, best: &Minimum) -> Vec<f64> {
         }
     }
     all
-}
-
-/// The inverse of an information matrix in widths of the limits; along directions of which less is known than the limits
-/// say, the variance is that of an even spread over them.
-fn bounded_inverse(information: &DMatrix<f64>) -> DMatrix<f64> {
-    along_directions(information, |v| 1.0 / v.max(EVEN_SPREAD))
-}
-
-/// The information that an even spread over the limits adds to an information matrix along directions of which less is known.
-fn spread_added(information: &DMatrix<f64>) -> DMatrix<f64> {
-    along_directions(information, |v| (EVEN_SPREAD - v).max(0.0))
-}
-
-/// A symmetric matrix with other values along its principal directions.
-fn along_directions(matrix: &DMatrix<f64>, value: impl Fn(f64) -> f64) -> DMatrix<f64> {
-    let eigen = SymmetricEigen::new(matrix.clone());
-    let values = DMatrix::from_diagonal(&eigen.eigenvalues.map(value));
-    &eigen.eigenvectors * values * eigen.eigenvectors.transpose()
 }
 
 /// Two-sided 95 % quantile of Student's distribution, of the normal one for very many degrees of freedom.

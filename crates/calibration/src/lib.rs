@@ -81,6 +81,7 @@ mod correlated;
 mod designs;
 mod diagnosis_stage;
 mod error;
+mod information;
 mod intervals;
 mod joint;
 mod joint_fit;

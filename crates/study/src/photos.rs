@@ -8,11 +8,11 @@ use photo_profile::{
     DrumPixels, MAX_ANGLE_ERROR, Mask, Mode, PhotoPixels, PhotoReading, PictureFiles, PixelPoint,
     Posture, Settings, measure_photo, one_of, read_frames, rectify, sideways, surface_shift,
 };
+use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use surface_profile::Definition;
 
 /// The photos of one measurement.
@@ -132,20 +132,20 @@ pub(crate) fn read(
     let mask =
         mask.map_err(|e| vec![format!("have a mask that cannot be read: {}", in_full(&e))])?;
     let reader = Reader::new(options, shown, mask.as_ref()).read_files(&files, in_file);
-    if options.pair_interval_s.is_some() && !reader.pictures.is_multiple_of(2) {
+    if options.pair_interval_s.is_some() && !reader.found.pictures.is_multiple_of(2) {
         return Err(vec![format!(
             "are {} pictures, and photo.pair_interval says that they come in pairs: add or take out one, or leave it out",
-            reader.pictures
+            reader.found.pictures
         )]);
     }
-    let Reader {
+    let Found {
         frames,
         unread,
         speeds,
         lost,
         postures,
         ..
-    } = reader;
+    } = reader.found;
     if frames.iter().all(Option::is_none) {
         return Err(named(&unread, NAMED_IN_REFUSAL));
     }
@@ -216,6 +216,13 @@ struct Reader<'a> {
     speed_scale: Option<f64>,
     /// What is hidden in each picture.
     mask: Option<&'a Mask>,
+    /// What they gave.
+    found: Found,
+}
+
+/// What pictures gave.
+#[derive(Default)]
+struct Found {
     /// Pictures so far.
     pictures: usize,
     /// The last picture that was measured, where the next one may tell how far its surface went.
@@ -255,13 +262,7 @@ impl<'a> Reader<'a> {
                 camera_elevation: options.elevation_rad,
             },
             speed_scale: scale.filter(|_| asked && !shown.heap),
-            pictures: 0,
-            before: None,
-            frames: Vec::new(),
-            unread: Vec::new(),
-            postures: Vec::new(),
-            speeds: Vec::new(),
-            lost: Vec::new(),
+            found: Found::default(),
         }
     }
 
@@ -273,57 +274,22 @@ impl<'a> Reader<'a> {
             }
             return self;
         }
-        let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-        let next = AtomicUsize::new(0);
-        let own = &self;
-        let mut parts: Vec<(usize, Self)> = std::thread::scope(|scope| {
-            let work = || {
-                let mut parts = Vec::new();
-                loop {
-                    let place = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(file) = files.get(place) else {
-                        return parts;
-                    };
-                    let mut part = own.empty();
-                    part.read_file(file, every);
-                    parts.push((place, part));
-                }
+        let read = |file: &PathBuf| {
+            let mut own = Self {
+                found: Found::default(),
+                ..self
             };
-            let threads: Vec<_> = (0..cores.min(files.len()))
-                .map(|_| scope.spawn(work))
-                .collect();
-            let ends = threads.into_iter().map(|thread| {
-                thread
-                    .join()
-                    .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-            });
-            ends.flatten().collect()
-        });
-        parts.sort_by_key(|(place, _)| *place);
-        for (_, part) in parts {
-            self.pictures += part.pictures;
-            self.frames.extend(part.frames);
-            self.unread.extend(part.unread);
-            self.postures.extend(part.postures);
+            own.read_file(file, every);
+            own.found
+        };
+        let each: Vec<Found> = files.par_iter().map(read).collect();
+        for found in each {
+            self.found.pictures += found.pictures;
+            self.found.frames.extend(found.frames);
+            self.found.unread.extend(found.unread);
+            self.found.postures.extend(found.postures);
         }
         self
-    }
-
-    /// A reader with the same settings that has read nothing.
-    fn empty(&self) -> Self {
-        Self {
-            options: self.options,
-            settings: self.settings,
-            speed_scale: self.speed_scale,
-            mask: self.mask,
-            pictures: 0,
-            before: None,
-            frames: Vec::new(),
-            unread: Vec::new(),
-            postures: Vec::new(),
-            speeds: Vec::new(),
-            lost: Vec::new(),
-        }
     }
 
     /// Reads one of so many pictures of a file. A file that ends early, or is none, counts as one picture that cannot be read.
@@ -331,12 +297,12 @@ impl<'a> Reader<'a> {
         let frames = match read_frames(file) {
             Ok(frames) => frames,
             Err(error) => {
-                self.before = None;
+                self.found.before = None;
                 return self.end_picture(file, Err(refused(&error)));
             }
         };
         for frame in frames.step_by(every) {
-            let before = self.before.take();
+            let before = self.found.before.take();
             let read = frame.map_err(|e| refused(&e)).and_then(|frame| {
                 let size = [frame.width(), frame.height()];
                 let pixels = match self.options.corners {
@@ -355,16 +321,18 @@ impl<'a> Reader<'a> {
 
     /// Notes what a picture gave; the second of a pair tells a speed alone.
     fn end_picture(&mut self, file: &Path, read: Result<Option<FrameValues>, String>) {
-        self.pictures += 1;
-        let is_second = self.options.pair_interval_s.is_some() && self.pictures.is_multiple_of(2);
+        self.found.pictures += 1;
+        let is_second =
+            self.options.pair_interval_s.is_some() && self.found.pictures.is_multiple_of(2);
         match read {
             Ok(_) if is_second => {}
-            Ok(values) => self.frames.push(values),
+            Ok(values) => self.found.frames.push(values),
             Err(reason) => {
-                self.unread
+                self.found
+                    .unread
                     .push(format!("photo '{}' {reason}", file.display()));
                 if !is_second {
-                    self.frames.push(None);
+                    self.found.frames.push(None);
                 }
             }
         }
@@ -382,15 +350,16 @@ impl<'a> Reader<'a> {
             pixels = pixels.hiding(mask).map_err(|e| refused(&e))?;
         }
         self.add_speed(before, &pixels);
-        if self.options.pair_interval_s.is_some() && !self.pictures.is_multiple_of(2) {
+        if self.options.pair_interval_s.is_some() && !self.found.pictures.is_multiple_of(2) {
             return Ok(None);
         }
         let reading = measure_photo(&pixels, &self.settings).map_err(|e| refused(&e))?;
         let values = values_of(&reading)?;
-        self.postures
+        self.found
+            .postures
             .push((file.to_owned(), Posture::new(size, &reading)));
         if self.speed_scale.is_some() {
-            self.before = Some((pixels, reading));
+            self.found.before = Some((pixels, reading));
         }
         Ok(Some(values))
     }
@@ -401,8 +370,8 @@ impl<'a> Reader<'a> {
             return;
         };
         match surface_shift(&first, pixels, &reading) {
-            Ok(found) => self.speeds.push(found.shift * scale),
-            Err(reason) => self.lost.push(reason.to_string()),
+            Ok(found) => self.found.speeds.push(found.shift * scale),
+            Err(reason) => self.found.lost.push(reason.to_string()),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Estimates, intervals and what the data leave open.
 
-use super::toy::{Shown, Toy, measured, model, parameter, problem, run, shown, value};
+use super::toy::{Law, Shown, Toy, measured, model, parameter, problem, run, shown, value};
 use calibration::{Correlation, LoopSettings, Measurement, Prior, Role};
 
 /// y = 2 a without noise, measured 1.2 +- 0.1 (ten values): a = 0.6, se = 0.1 / sqrt(10) / 2, and the interval is
@@ -400,6 +400,32 @@ fn a_check_that_open_parameters_make_vague_is_told_as_such() {
         "{}",
         result.verdict
     );
+}
+
+/// A check whose runs scatter ten times as much as its measurement bears differences of many of its standard errors. It could have
+/// failed all the same if other parameters in the box change what it shows by far more, 40, and could not if they change it by 0.4.
+#[test]
+fn a_noisy_check_is_judged_by_what_parameters_change() {
+    let steep: Law = |model, p| shown("y", if model == "fit" { 100.0 } else { 40.0 } * p("a"));
+    let flat: Law = |model, p| match model {
+        "fit" => shown("y", 100.0 * p("a")),
+        _ => shown("y", 19.8 + 0.4 * p("a")),
+    };
+    for (law, met) in [(steep, true), (flat, false)] {
+        let toy = Toy { law, noise: 1.0 };
+        let sd = 10.0_f64.sqrt();
+        let problem = problem(
+            vec![parameter("a", [0.0, 1.0])],
+            vec![model("fit", &[0]), model("kept", &[0])],
+            vec![
+                measured(0, "y", Role::Fit, (50.0, sd)),
+                measured(1, "y", Role::Check, (20.0, 0.1 * sd)),
+            ],
+        );
+        let result = run(&toy, &problem).unwrap();
+        assert!(result.check[0].holds, "{:?}", result.check);
+        assert_eq!(result.met, met, "{}", result.verdict);
+    }
 }
 
 /// Two runs of the check, 0.4 apart, have one degree of freedom: Student's t is 12.7, and 1.5 measured beside 2.0 shown, thirty
