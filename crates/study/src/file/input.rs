@@ -42,7 +42,7 @@ pub(super) fn input(fields: &Fields<'_>, problems: &mut Problems) -> Option<Para
     let sd = sd(fields, problems);
     let found = find(&name);
     if let Err(error) = &found {
-        problems.add(fields.wrong("effect", format!(": {error}")));
+        problems.add(fields.wrong("effect", format!("cannot be used: {error}")));
     }
     let symbol: Option<String> = text(fields, "symbol", problems);
     let words = text(fields, "name", problems);
