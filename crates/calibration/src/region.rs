@@ -2,6 +2,9 @@
 
 use crate::Parameter;
 
+/// An end of a box within this share of the limits' width of a limit is the limit.
+const SAME_END: f64 = 1e-12;
+
 /// A box: one range for each parameter of the problem.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Region {
@@ -29,9 +32,16 @@ impl Region {
             let [from, to] = if width >= most - least {
                 [least, most]
             } else {
-                // Rounding can put an end a digit outside: the limits have the last word.
+                // Rounding can put an end a digit outside a limit, or a digit inside, as if there were a way left to go: the
+                // limits have the last word.
+                let rounding = SAME_END * (most - least);
+                let near = |end: f64, limit: f64| (end - limit).abs() <= rounding;
                 let from = (c - h).min(most - width).max(least);
-                [from, (from + width).min(most)]
+                let to = (from + width).min(most);
+                [
+                    if near(from, least) { least } else { from },
+                    if near(to, most) { most } else { to },
+                ]
             };
             low.push(from);
             high.push(to);
@@ -104,6 +114,15 @@ mod tests {
         assert!((region.low[0] - 0.6).abs() < 1e-15, "{region:?}");
         assert!((region.high[0] - 1.0).abs() < 1e-15, "{region:?}");
         assert_eq!((region.low[1], region.high[1]), (0.0, 1.0));
+    }
+
+    /// A box whose end is a limit but for rounding ends there: 0.151 - 0.15 is 0.0010000000000000009, and a search that took it for
+    /// a face with room behind it would search the same box again.
+    #[test]
+    fn a_box_that_ends_at_a_limit_ends_there_to_the_last_digit() {
+        let parameters = [parameter([0.001, 0.999]), parameter([0.001, 0.4])];
+        let region = Region::about(&[0.151, 0.3], &[0.15, 0.1], &parameters);
+        assert_eq!((region.low[0], region.high[1]), (0.001, 0.4), "{region:?}");
     }
 
     /// Limits whose width is rounded, such as 0.04 to 0.42: a box as wide as they are is they, to the last digit, its faces
