@@ -74,6 +74,7 @@ mod tests {
             model: None,
             observables: None,
             condition: BTreeMap::from([("rpm".to_owned(), *rpm)]),
+            parameters: None,
             used: *rpm != 45.0,
         };
         let effect = |name: &str| EffectProbe {

@@ -8,7 +8,7 @@ use crate::{
     runs_needed, study_residual,
 };
 use campaign::{Campaign, RunRequest, Simulator};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Stage number: sets the seeds.
 const STAGE: u64 = 80;
@@ -253,6 +253,7 @@ fn candidate(problem: &CalibrationProblem, candidate: &Candidate) -> CandidateMe
             model: Some(model.name.clone()),
             condition: coordinates(model),
             observables: Some(names.map(|name| (in_plan(name), name.clone())).collect()),
+            parameters: Some(symbols(problem, model)),
             used: false,
         },
         standard_errors: standard_errors
@@ -261,6 +262,12 @@ fn candidate(problem: &CalibrationProblem, candidate: &Candidate) -> CandidateMe
             .collect(),
         minutes: *minutes,
     }
+}
+
+/// Symbols of the parameters on which a model depends.
+fn symbols(problem: &CalibrationProblem, model: &Model) -> BTreeSet<String> {
+    let symbol = |&j: &usize| problem.parameters[j].symbol.clone();
+    model.parameters.iter().map(symbol).collect()
 }
 
 /// One model with the measurements of a role as a condition.
@@ -280,6 +287,7 @@ fn condition(
                 .map(|m| (name_in_plan(problem, m), m.observable.clone()))
                 .collect::<BTreeMap<_, _>>(),
         ),
+        parameters: Some(symbols(problem, model)),
         used: role == Role::Fit,
     }
 }

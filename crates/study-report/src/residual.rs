@@ -102,6 +102,7 @@ mod tests {
                 .iter()
                 .map(|(n, v)| ((*n).to_owned(), *v))
                 .collect::<BTreeMap<_, _>>(),
+            parameters: None,
             used: true,
         };
         let name = condition_name(&condition(None, &[("rpm", 5.0), ("seed_count", 418.0)]));

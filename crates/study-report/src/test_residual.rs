@@ -52,6 +52,7 @@ fn study() -> ResidualStudy {
         model: None,
         observables: None,
         condition: BTreeMap::from([("rpm".to_owned(), *rpm)]),
+        parameters: None,
         used: *rpm < 30.0,
     };
     let plan = ResidualPlan {

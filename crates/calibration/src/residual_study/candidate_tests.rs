@@ -37,6 +37,7 @@ fn candidate(rpm: f64, minutes: f64) -> CandidateMeasurement {
             model: None,
             observables: None,
             condition: BTreeMap::from([("rpm".to_owned(), rpm), ("fill".to_owned(), 0.3)]),
+            parameters: None,
             used: false,
         },
         standard_errors: ["angle", "shape"]

@@ -228,6 +228,7 @@ fn with_bench() -> (ResidualPlan, Observed) {
         model: Some("bench".into()),
         condition: BTreeMap::from([("rpm".to_owned(), 10.0), ("fill".to_owned(), 0.3)]),
         observables: Some(BTreeMap::from([("bench".to_owned(), "angle".to_owned())])),
+        parameters: None,
         used: true,
     });
     data.values.push(vec![None, None, Some(1.0)]);

@@ -5,7 +5,7 @@ use crate::Error;
 use campaign::RunRequest;
 use residual_diagnosis::{CovarianceMatrix, Largest, Sign};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A condition of the measurements.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -18,6 +18,10 @@ pub struct StudyCondition {
     /// What is read of its runs: pairs of a name in [`ResidualPlan::observables`] and the name that the run gives it;
     /// all of them under their own names where absent.
     pub observables: Option<BTreeMap<String, String>>,
+    /// Declared parameters on which its runs depend, by name; all where absent. A run is not told of others: an input of one scene is
+    /// none of another.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parameters: Option<BTreeSet<String>>,
     /// Whether the fit may use it; otherwise it is kept for the check.
     pub used: bool,
 }
@@ -29,6 +33,12 @@ impl StudyCondition {
             None => Some(observable),
             Some(names) => names.get(observable).map(String::as_str),
         }
+    }
+
+    /// Whether its runs depend on a declared parameter.
+    pub(super) fn depends_on(&self, parameter: &str) -> bool {
+        let own = self.parameters.as_ref();
+        own.is_none_or(|own| own.contains(parameter))
     }
 
     /// Its name: that of its model, or of the model of a plan with the coordinates.

@@ -62,7 +62,13 @@ impl Setting {
             Some(model) => request.model.clone_from(model),
             None => request.condition.extend(condition.condition.clone()),
         }
-        request.parameters.extend(self.parameters.clone());
+        let own = self
+            .parameters
+            .iter()
+            .filter(|(name, _)| condition.depends_on(name));
+        request
+            .parameters
+            .extend(own.map(|(name, x)| (name.clone(), *x)));
         let acting = plan.effects.iter().filter(|e| e.acts_on(condition));
         let amplitude = |e: &EffectProbe| Some((e.name.clone(), *self.effects.get(&e.name)?));
         request.effects.extend(acting.filter_map(amplitude));

@@ -66,6 +66,7 @@ fn box_plan(seed: u64) -> ResidualPlan {
             model: None,
             observables: None,
             condition: BTreeMap::from([("speed".to_owned(), 1.0)]),
+            parameters: None,
             used: true,
         }],
         observables: ["height", "toe", "top"].map(String::from).to_vec(),

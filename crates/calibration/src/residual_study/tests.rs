@@ -80,6 +80,7 @@ pub(super) fn plan(seed: u64) -> ResidualPlan {
                 model: None,
                 observables: None,
                 condition: BTreeMap::from([("rpm".to_owned(), rpm), ("fill".to_owned(), fill)]),
+                parameters: None,
                 used: rpm != 20.0,
             });
         }
@@ -575,6 +576,7 @@ fn an_effect_is_zero_in_a_scene_that_cannot_carry_it() {
                 model: Some("sled".into()),
                 condition: BTreeMap::new(),
                 observables: Some(BTreeMap::from([("slope".into(), "angle".into())])),
+                parameters: None,
                 used: true,
             });
             data.values.push(vec![None, Some(27.0)]);
