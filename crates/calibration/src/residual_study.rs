@@ -25,7 +25,7 @@ use plan::check;
 pub use plan::{DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition};
 use residual_diagnosis::{
     CheckedModel, Contrast, Diagnosis, Options, Problem, ProblemFile, RefittedModel, Verdict,
-    diagnose,
+    diagnose, ln_over_unknown,
 };
 use rivals::{Decided, after_and_rivals};
 use runs::At;
@@ -108,6 +108,8 @@ pub struct AddedEffect {
     pub fitted_se: BTreeMap<String, f64>,
     /// Simulated means, (conditions, observables).
     pub simulated: Vec<Vec<f64>>,
+    /// Number of runs behind the means of each condition.
+    pub runs: Vec<usize>,
     /// Errors.
     pub errors: ErrorPair,
 }
@@ -220,6 +222,13 @@ fn study_of_all(
         diagnosis,
         mut looks,
     } = looked_at(&fits, linear, &fit)?;
+    // At the conditions of the fit an unknown effect may do as well; what the kept ones say is asked then.
+    let by_kept = !diagnosis.proposal.is_empty() && assemble::any_kept(plan, observed);
+    let diagnosis = if by_kept {
+        diagnosis.with_proposal_named()
+    } else {
+        diagnosis
+    };
     let at_fit = &fit.means;
     let errors_before = assemble::errors(plan, observed, &linear, at_fit)?;
     let Decided {
@@ -231,6 +240,9 @@ fn study_of_all(
     if all_could_be_run && !diagnosis.effects.is_empty() {
         // What could not be run was not refuted.
         diagnosis = checked(&fits, &linear, &fit, (&errors_before, &added), diagnosis)?;
+    }
+    if by_kept && !diagnosis.effects.is_empty() {
+        diagnosis = over_unknown(&fits, &linear, &fit, (&file, &added), diagnosis)?;
     }
     let (experiments, offered) = fits.candidates(&linear, &fit, &diagnosis)?;
     if !experiments.is_empty() {
@@ -359,6 +371,29 @@ fn checked(
     let unused = (0..plan.conditions.len()).filter(|&c| !plan.conditions[c].used);
     let values = unused.map(|c| observed.measured(c).len()).sum();
     Ok(diagnosis.checked_by_runs(before.whitened_mse, &models, values))
+}
+
+/// Keeps a name that the conditions of the fit did not give only where those kept from it make it a hundred times as likely as an
+/// unknown effect.
+fn over_unknown(
+    fits: &Fits<'_>,
+    linear: &Linearisation,
+    fit: &Visited,
+    (file, added): (&ProblemFile, &[AddedEffect]),
+    diagnosis: Diagnosis,
+) -> Result<Diagnosis, Error> {
+    let (plan, observed) = (fits.plan, fits.observed);
+    let problem = Problem::try_from(file.clone())?;
+    let of_best = added.iter().find_map(|model| {
+        let name = model.effects.keys().next()?;
+        diagnosis.effects.contains(name).then_some((name, model))
+    });
+    let ln_factor = of_best.map(|(name, model)| {
+        let means = (&fit.means, &model.simulated[..]);
+        let kept = assemble::kept(plan, observed, linear, means);
+        ln_over_unknown(&problem, name, &kept)
+    });
+    Ok(diagnosis.against_unknown(ln_factor.transpose()?))
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use crate::fit::Fit;
 use crate::problem_file::Sign;
+use nalgebra::{DMatrix, DVector};
 use probability::ln_normal_cdf;
 
 /// Prior standard deviations of the detectability s = |a||u|, averaged: an effect that matters is
@@ -40,17 +41,26 @@ pub(crate) fn ln_factor_of_effect(z: f64, sign: Sign) -> f64 {
 /// with the same tau. 0 when there is no smooth column left.
 pub(crate) fn ln_factor_of_unknown(fit: &Fit) -> f64 {
     let smooth = fit.smooth_outside();
+    ln_factor_of_unknown_in(&smooth, fit.remaining(), smooth.norm_squared())
+}
+
+/// The same in columns W with a residual r~ of their rows; `total` is the sum of squares of the columns where the unknown effect is
+/// expected to be as large as one of the library.
+pub(crate) fn ln_factor_of_unknown_in(
+    smooth: &DMatrix<f64>,
+    residual: &DVector<f64>,
+    total: f64,
+) -> f64 {
     if smooth.ncols() == 0 || smooth.nrows() == 0 {
         return 0.0;
     }
-    let svd = smooth.svd(true, false);
+    let svd = smooth.clone().svd(true, false);
     let u = svd.u.expect("this factor was asked for");
     let squares: Vec<f64> = svd.singular_values.iter().map(|d| d * d).collect();
-    let total: f64 = squares.iter().sum();
     if total <= f64::MIN_POSITIVE {
         return 0.0;
     }
-    let coordinates = u.tr_mul(fit.remaining());
+    let coordinates = u.tr_mul(residual);
     ln_mean(PRIOR_SIZES.iter().map(|tau| {
         let k = tau * tau / total;
         squares

@@ -30,6 +30,8 @@ pub(crate) struct Decision {
     pub(crate) tie_groups: Vec<Vec<usize>>,
     /// Effects that would help but are not named.
     pub(crate) suspects: Vec<usize>,
+    /// What would be named, like `tie_groups`, if it did better than an unknown effect; the conditions of the fit are too few to tell.
+    pub(crate) proposal: Vec<Vec<usize>>,
     /// The condition that may carry all of it.
     pub(crate) recheck: Option<usize>,
     /// Nothing on.
@@ -99,6 +101,7 @@ pub(crate) fn decide(problem: &Problem, options: &Options) -> Result<Decision, E
         effects: Vec::new(),
         tie_groups: Vec::new(),
         suspects: Vec::new(),
+        proposal: Vec::new(),
         recheck: None,
         chosen: nominal.clone(),
         singles,
@@ -168,6 +171,9 @@ impl Decision {
         } else {
             self.verdict = Verdict::Unknown;
             self.suspects = members;
+            if adequate && groups.len() == 1 {
+                self.proposal = groups;
+            }
         }
         self.chosen = taken.fit;
         Ok(())

@@ -78,6 +78,7 @@ pub fn diagnose(problem: &Problem, options: &Options) -> Result<Diagnosis, Error
         summary: String::new(),
         suspects: names(&decision.suspects),
         tie_groups: decision.tie_groups.iter().map(|g| names(g)).collect(),
+        proposal: decision.proposal.iter().map(|g| names(g)).collect(),
         tie_set_c: decision.tie_limit,
         structured_residual: structured_residual(problem, &decision),
         not_testable: candidates

@@ -58,6 +58,10 @@ pub struct Diagnosis {
     pub suspects: Vec<String>,
     /// For each effect that was taken, it and behind it the candidates that would do nearly as well, the best first.
     pub tie_groups: Vec<Vec<String>>,
+    /// What would be named or tied, one effect and its rivals, if it did better than an unknown effect at the conditions of the fit;
+    /// conditions kept from it may tell, see [`crate::ln_over_unknown`]. Empty otherwise.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub proposal: Vec<Vec<String>>,
     /// Largest distance in deviance inside a tie set.
     pub tie_set_c: f64,
     /// Whether there is structure at all.

@@ -334,8 +334,20 @@ impl Fit {
 
     /// The smooth basis outside what is absorbed already; a column that is absorbed wholly is 0.
     pub(crate) fn smooth_outside(&self) -> DMatrix<f64> {
-        let mut outside = self.space.outside_columns(&self.whitened.smooth);
-        let whole = self.whitened.smooth.column_iter().map(|c| c.norm());
+        self.outside_of_white(&self.whitened.smooth)
+    }
+
+    /// Columns over the rows of the problem, in its units, outside what is absorbed already; one that is absorbed wholly is 0.
+    pub(crate) fn outside_of(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let white = self.whitened.whitener.whiten(columns);
+        // The rows of the prior have no part in them.
+        self.outside_of_white(&white.resize_vertically(self.remaining.len(), 0.0))
+    }
+
+    /// The same of whitened columns.
+    fn outside_of_white(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut outside = self.space.outside_columns(columns);
+        let whole = columns.column_iter().map(|c| c.norm());
         for (mut column, length) in outside.column_iter_mut().zip(whole) {
             if column.norm() <= ABSORBED * length {
                 column.fill(0.0);

@@ -49,6 +49,7 @@ mod error;
 mod fit;
 mod gates;
 mod ideal;
+mod kept_conditions;
 mod max_test;
 mod next_measurement;
 mod next_trials;
@@ -72,6 +73,7 @@ pub use diagnosis::{
 };
 pub use error::Error;
 pub use ideal::{Ideal, ideal};
+pub use kept_conditions::{KeptCondition, ln_over_unknown};
 pub use next_measurement::{NextMeasurement, PlannedExperiment, Purpose, QuestionedEffect};
 pub use next_trials::{NextTrials, Resolved, next_trials};
 pub use power::{Power, PowerDesign, power};

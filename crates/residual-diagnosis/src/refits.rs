@@ -1,5 +1,6 @@
 //! Models with effects that real runs have fitted again, against each other: these decide about a name.
 
+use crate::decision::LN_FACTOR_TO_NAME;
 use crate::diagnosis::{Diagnosis, Verdict};
 use crate::gates::{ALPHA, GATE};
 use crate::summary::summary;
@@ -101,6 +102,36 @@ impl Diagnosis {
         let ln = |refit: &Refit| refit.ln_odds_of_best.unwrap_or(f64::INFINITY);
         let rivals = others.iter().filter(|_| is_named);
         rivals.min_by(|a, b| ln(a).total_cmp(&ln(b)))
+    }
+
+    /// The diagnosis as if its proposal had done better than an unknown effect; whether it does is still to be told.
+    #[must_use]
+    pub fn with_proposal_named(mut self) -> Self {
+        self.tie_groups = std::mem::take(&mut self.proposal);
+        self.effects = members(&self.tie_groups);
+        self.verdict = named_or_tied(&self.tie_groups);
+        self.suspects.clear();
+        self
+    }
+
+    /// Takes back a name that by all conditions together, those kept from the fit as well, is not a hundred times as likely as an unknown
+    /// effect; the ln of how much more likely its first effect is is given, none if no run tells.
+    #[must_use]
+    pub fn against_unknown(mut self, ln_factor: Option<f64>) -> Self {
+        let first = self
+            .effects
+            .first()
+            .and_then(|name| self.candidates.get_mut(name));
+        if let Some(candidate) = first {
+            candidate.ln_bf_unknown = ln_factor.or(candidate.ln_bf_unknown);
+        }
+        if !ln_factor.is_some_and(|ln| ln > LN_FACTOR_TO_NAME) {
+            self.take_back(
+                "the answer is withdrawn: the kept conditions do not tell it from an effect that is not in the library".to_owned(),
+            );
+        }
+        self.summary = summary(&self);
+        self
     }
 
     /// Decides between the models that explain a residual by real runs of each; `open` are those that should have been fitted

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
 
-use crate::problem::Part;
+use crate::problem::{Part, Row};
 use crate::problem_file::{Condition, Level};
 
 /// A positive coordinate whose largest value is this many times its smallest acts through its
@@ -21,35 +21,37 @@ const LEVELS_FOR_SQUARE: usize = 4;
 /// multiplied by the standard deviation of its noise, so that a coefficient counts in noise
 /// standard deviations. [statistics of this project, section 4.2, step 2]
 pub(crate) fn smooth_basis(part: &Part) -> DMatrix<f64> {
-    let present: BTreeSet<usize> = part.rows.iter().map(|row| row.condition).collect();
+    let conditions: Vec<&Condition> = part.conditions.iter().collect();
+    let variances = part.covariance.diagonal();
+    let noise: Vec<f64> = variances.iter().map(|v| v.sqrt()).collect();
+    basis(&conditions, &part.rows, &noise)
+}
+
+/// The basis over some rows, whose conditions have these coordinates and whose noise these standard deviations.
+pub(crate) fn basis(conditions: &[&Condition], rows: &[Row], noise: &[f64]) -> DMatrix<f64> {
+    let present: BTreeSet<usize> = rows.iter().map(|row| row.condition).collect();
     let conditions: Vec<&Condition> = present
         .iter()
-        .filter_map(|&c| part.conditions.get(c))
+        .filter_map(|&c| conditions.get(c).copied())
         .collect();
     let shapes = shapes(&conditions);
     let place: Vec<usize> = present.iter().copied().collect();
-    let noise: Vec<f64> = part
-        .covariance
-        .diagonal()
-        .iter()
-        .map(|v| v.sqrt())
-        .collect();
-    let observables: BTreeSet<usize> = part.rows.iter().map(|row| row.observable).collect();
+    let observables: BTreeSet<usize> = rows.iter().map(|row| row.observable).collect();
     let mut columns = Vec::new();
     for &observable in &observables {
         for shape in &shapes {
-            let entries = part.rows.iter().zip(&noise).map(|(row, sd)| {
+            let entries = rows.iter().zip(noise).map(|(row, sd)| {
                 let at = place.binary_search(&row.condition).ok();
                 match at.and_then(|i| shape.get(i)) {
                     Some(value) if row.observable == observable => value * sd,
                     _ => 0.0,
                 }
             });
-            columns.push(DVector::from_iterator(part.rows.len(), entries));
+            columns.push(DVector::from_iterator(rows.len(), entries));
         }
     }
     if columns.is_empty() {
-        return DMatrix::zeros(part.rows.len(), 0);
+        return DMatrix::zeros(rows.len(), 0);
     }
     DMatrix::from_columns(&columns)
 }

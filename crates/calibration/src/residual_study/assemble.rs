@@ -5,7 +5,9 @@ use super::runs::{Means, Setting};
 use super::{DeclaredParameter, ErrorPair, Observed, RealErrors, ResidualPlan};
 use crate::Error;
 use nalgebra::{Cholesky, DMatrix, DVector};
-use residual_diagnosis::{CovarianceInput, Level, PriorPrecision, ProblemFile};
+use residual_diagnosis::{
+    Condition, CovarianceInput, KeptCondition, Level, PriorPrecision, ProblemFile,
+};
 use std::collections::BTreeMap;
 
 /// Beyond so many degrees of freedom a variance is as good as known.
@@ -50,12 +52,6 @@ pub(super) fn problem(
     at_fit: &Means,
 ) -> ProblemFile {
     let used = || (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used);
-    let condition = |c: usize| {
-        let levels = plan.conditions[c].condition.iter();
-        levels
-            .map(|(name, value)| (name.clone(), Level::Number(*value)))
-            .collect()
-    };
     let residual = used().flat_map(|c| {
         let pairs = observed.values[c].iter().zip(&at_fit.values[c]);
         pairs.map(|(y, f)| y.map(|y| y - f)).collect::<Vec<_>>()
@@ -72,7 +68,7 @@ pub(super) fn problem(
     let any_prior = plan.declared.iter().any(|d| d.prior.is_some());
     ProblemFile {
         id: plan.id.clone(),
-        conditions: used().map(condition).collect(),
+        conditions: used().map(|c| coordinates(plan, c)).collect(),
         observables: plan.observables.clone(),
         residual_obs_minus_sim: residual.collect(),
         cov_measurement: Some(CovarianceInput::Blocks(
@@ -130,6 +126,47 @@ pub(super) fn problem(
         not_run: linear.not_run.iter().map(name_of).collect(),
         ..ProblemFile::default()
     }
+}
+
+/// The coordinates of a condition.
+fn coordinates(plan: &ResidualPlan, condition: usize) -> Condition {
+    let levels = plan.conditions[condition].condition.iter();
+    levels
+        .map(|(name, value)| (name.clone(), Level::Number(*value)))
+        .collect()
+}
+
+/// Whether anything was measured at a condition kept from the fit.
+pub(super) fn any_kept(plan: &ResidualPlan, observed: &Observed) -> bool {
+    let mut all = plan.conditions.iter().enumerate();
+    all.any(|(c, condition)| !condition.used && !observed.measured(c).is_empty())
+}
+
+/// The conditions kept from the fit, by the runs without effects and by the means with an effect.
+pub(super) fn kept(
+    plan: &ResidualPlan,
+    observed: &Observed,
+    linear: &Linearisation,
+    (without, with): (&Means, &[Vec<f64>]),
+) -> Vec<KeptCondition> {
+    let is_kept = |c: &usize| !plan.conditions[*c].used && !observed.measured(*c).is_empty();
+    let each = (0..plan.conditions.len()).filter(is_kept);
+    let of = |c: usize| {
+        let left = |simulated: &[f64]| {
+            let pairs = observed.values[c].iter().zip(simulated);
+            pairs.filter_map(|(y, f)| y.map(|y| y - f)).collect()
+        };
+        let share = 1.0 / without.n[c] as f64;
+        let total = added(&observed.covariance[c], &linear.run_covariance[c], share);
+        KeptCondition {
+            condition: coordinates(plan, c),
+            observables: observed.measured(c),
+            covariance: of_measured(observed, &total, c),
+            without: left(&without.values[c]),
+            with: left(&with[c]),
+        }
+    };
+    each.map(of).collect()
 }
 
 /// Prior mean minus fitted value of each parameter; 0 where it is free.

@@ -348,6 +348,7 @@ impl Fits<'_> {
                 effects: model.end.setting.effects.clone(),
                 fitted: model.end.setting.parameters.clone(),
                 fitted_se: model.asked.fitted_se.clone(),
+                runs: means.n.clone(),
                 simulated: means.values,
             });
         }
