@@ -10,6 +10,7 @@ use crate::screening::screen_models;
 use crate::search::Search;
 use crate::solution_set::solution_set;
 use crate::verdict::verdict;
+use crate::with_effects;
 use crate::{
     Calibration, CalibrationProblem, Comparison, DiagnosisStage, Error, Estimate, InputEstimate,
     JointEstimate, LoopSettings, PlannedStage, Role, RunList, StageCost, planned,
@@ -103,7 +104,12 @@ pub fn calibrate(
         unknown_inputs(problem, &surfaces),
         missed_but_shown(&show),
     ];
-    let (met, verdict) = verdict(problem, &estimate, &fit, &checks, &confirmed);
+    let (mut met, mut verdict) = verdict(problem, &estimate, &fit, &checks, &confirmed);
+    let with_effects = with_effects::with_effects(problem, &diagnosis).filter(|_| !met);
+    if let Some(with) = &with_effects {
+        met = with.holds;
+        verdict.push_str(&with_effects::in_words(with, problem));
+    }
     Ok(Calibration {
         id: problem.id.clone(),
         settings: settings.clone(),
@@ -129,6 +135,7 @@ pub fn calibrate(
         check: checks,
         screening: screened.told,
         diagnosis,
+        with_effects,
         remarks: remarks.concat(),
         met,
         verdict,

@@ -40,7 +40,7 @@ pub(crate) fn compare(
         .iter()
         .filter(|m| m.role == role)
         .collect();
-    let tails = ALPHA / of_role.len().max(1) as f64;
+    let tails = tails_of(problem, role);
     let rows = of_role.iter().filter_map(|m| {
         let samples = runs.get(&m.model)?;
         if samples.done.is_empty() {
@@ -56,6 +56,64 @@ pub(crate) fn compare(
         })
     });
     rows.collect()
+}
+
+/// Chance that a measurement of a role fails although it agrees.
+pub(crate) fn tails_of(problem: &CalibrationProblem, role: Role) -> f64 {
+    ALPHA / problem.measurements_of(role).len().max(1) as f64
+}
+
+/// What the simulator shows of a measurement.
+pub(crate) struct Simulated {
+    /// The mean over the runs.
+    pub(crate) mean: SimulatedMean,
+    /// Degrees of freedom of its standard error.
+    pub(crate) dof: f64,
+    /// Variance of the prediction from the uncertainty of the parameters.
+    pub(crate) parameter_variance: Option<f64>,
+}
+
+/// A measurement beside what the simulator shows, see [`compare`].
+pub(crate) fn compared(
+    problem: &CalibrationProblem,
+    m: &Measurement,
+    simulated: Simulated,
+    tails: f64,
+) -> Comparison {
+    let model = &problem.models[m.model];
+    let Simulated {
+        mean,
+        dof,
+        parameter_variance,
+    } = simulated;
+    let parts = [
+        (m.variance(), m.degrees_of_freedom()),
+        (mean.se.powi(2), dof),
+        (parameter_variance.unwrap_or(0.0), f64::INFINITY),
+    ];
+    let total: f64 = parts.iter().map(|p| p.0).sum();
+    let squares: f64 = parts.iter().map(|(v, dof)| v * v / dof).sum();
+    let z = (m.mean - mean.mean) / total.sqrt();
+    let z_limit = quantile_of(tails, total * total / squares.max(f64::MIN_POSITIVE));
+    Comparison {
+        scene: model.scene.clone(),
+        condition: model.condition.clone(),
+        observable: m.observable.clone(),
+        role: m.role,
+        measured: MeasuredMean {
+            mean: m.mean,
+            sd: m.sd,
+            n: m.n,
+        },
+        simulated: mean,
+        parameter_se: parameter_variance.map(f64::sqrt),
+        reach: None,
+        z,
+        z_limit,
+        holds: z.abs() <= z_limit,
+        regimes: BTreeMap::new(),
+        keys: Vec::new(),
+    }
 }
 
 /// g' C g of one observable.
@@ -109,48 +167,27 @@ fn comparison(
     parameter_variance: Option<f64>,
     tails: f64,
 ) -> Comparison {
-    let model = &asked.problem.models[m.model];
     // Of runs that ended up differently there is no mean: those of the usual regime speak, all are counted.
     let (group, _) = of_regime(&samples.done, &usual_regime(&samples.done));
     let n = group.len();
-    let simulated = mean(&group, &m.observable);
     let (variance, dof) = scatter(&group, &m.observable, surface);
-    let of_mean = variance / n as f64;
-    let parts = [
-        (m.variance(), m.degrees_of_freedom()),
-        (of_mean, dof),
-        (parameter_variance.unwrap_or(0.0), f64::INFINITY),
-    ];
-    let total: f64 = parts.iter().map(|p| p.0).sum();
-    let squares: f64 = parts.iter().map(|(v, dof)| v * v / dof).sum();
-    let z = (m.mean - simulated) / total.sqrt();
-    let z_limit = quantile_of(tails, total * total / squares.max(f64::MIN_POSITIVE));
+    let simulated = Simulated {
+        mean: SimulatedMean {
+            mean: mean(&group, &m.observable),
+            se: (variance / n as f64).sqrt(),
+            n_runs: n,
+        },
+        dof,
+        parameter_variance,
+    };
     let mut regimes = BTreeMap::new();
     for sample in samples.done.iter().filter(|s| !s.regime.is_empty()) {
         *regimes.entry(sample.regime.clone()).or_insert(0) += 1;
     }
     Comparison {
-        scene: model.scene.clone(),
-        condition: model.condition.clone(),
-        observable: m.observable.clone(),
-        role: m.role,
-        measured: MeasuredMean {
-            mean: m.mean,
-            sd: m.sd,
-            n: m.n,
-        },
-        simulated: SimulatedMean {
-            mean: simulated,
-            se: of_mean.sqrt(),
-            n_runs: n,
-        },
-        parameter_se: parameter_variance.map(f64::sqrt),
-        reach: None,
-        z,
-        z_limit,
-        holds: z.abs() <= z_limit,
         regimes,
         keys: group.iter().map(|s| s.key.clone()).collect(),
+        ..compared(asked.problem, m, simulated, tails)
     }
 }
 

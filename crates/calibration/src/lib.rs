@@ -101,6 +101,7 @@ mod settings;
 mod solution_set;
 mod surface;
 mod verdict;
+mod with_effects;
 
 pub use budget::runs_needed;
 pub use calibrate::{calibrate, within_budget};
@@ -120,6 +121,6 @@ pub use residual_study::{
 pub use result::{
     Calibration, Comparison, ConfirmationRound, ConfirmationRow, DiagnosisStage, Estimate, FitTest,
     InputEstimate, JointEstimate, JointPrediction, LeftOut, MeasuredMean, ModelScreening,
-    ModelSurfaces, OpenCombination, SearchBox, SimulatedMean, SolutionSet, StageCost,
+    ModelSurfaces, OpenCombination, SearchBox, SimulatedMean, SolutionSet, StageCost, WithEffects,
 };
 pub use settings::{LoopSettings, ScreeningChoice, SurfaceDesign};

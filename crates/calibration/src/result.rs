@@ -271,6 +271,19 @@ pub struct JointPrediction {
     pub se: f64,
 }
 
+/// The model with the effects that are named, fitted again by real runs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WithEffects {
+    /// Amplitudes of the runs, by effect.
+    pub effects: BTreeMap<String, f64>,
+    /// The parameters as they were fitted with them.
+    pub parameters: Vec<Estimate>,
+    /// Measurements of role fit and check beside what the runs show; the error of the parameters is not in z.
+    pub rows: Vec<Comparison>,
+    /// Whether all measurements hold and all parameters are known.
+    pub holds: bool,
+}
+
 /// What became of the diagnosis of the residual.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "state")]
@@ -336,9 +349,12 @@ pub struct Calibration {
     pub joint: Option<JointEstimate>,
     /// What the residual says.
     pub diagnosis: DiagnosisStage,
+    /// What the measurements and the parameters become if what the model lacks is added; none where nothing is named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub with_effects: Option<WithEffects>,
     /// What a reader should know.
     pub remarks: Vec<String>,
-    /// Whether the fit is met and the checks hold.
+    /// Whether the fit is met and the checks hold, by the model of the file or with the effects that are named.
     pub met: bool,
     /// The same in one sentence.
     pub verdict: String,

@@ -5,6 +5,7 @@ mod whole_loop {
     mod drawn_studies;
     mod estimates;
     mod inputs;
+    mod kept;
     mod reach;
     mod toy;
     mod troubles;

@@ -29,6 +29,8 @@ pub use details::{
 };
 pub use error::Error;
 pub use outcome::{Effort, NOT_STEADY, outcome_of, word};
-pub use parameter_file::{CalibratedParameter, ParameterFile, ReadScene, read_scene};
+pub use parameter_file::{
+    CalibratedEffect, CalibratedParameter, ParameterFile, ReadScene, read_scene,
+};
 pub use simulator::SceneSimulator;
 pub use surface::{SurfaceReadings, over_frames, scatter_of, unread_frames};

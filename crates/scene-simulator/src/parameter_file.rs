@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::binding::has_setting;
-use scene::{Override, Scene};
+use scene::{FillingLibrary, Override, Scene};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -26,6 +26,9 @@ pub struct ParameterFile {
     pub verdict: Option<String>,
     /// The parameters, in the order of the study.
     pub parameter: Vec<CalibratedParameter>,
+    /// Effects of the library with which they were calibrated, since the scenes alone lack them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effect: Vec<CalibratedEffect>,
     /// Name of the file, for messages.
     #[serde(skip)]
     pub file: String,
@@ -58,6 +61,16 @@ pub struct CalibratedParameter {
     /// Whether the value stands at a limit of what is physically possible.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_limit: Option<bool>,
+}
+
+/// An effect that is switched on in scenes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CalibratedEffect {
+    /// Its name in the library.
+    pub name: String,
+    /// Its amplitude, in the unit of the library.
+    pub amplitude: f64,
 }
 
 impl CalibratedParameter {
@@ -219,6 +232,39 @@ impl ParameterFile {
         })
     }
 
+    /// A scene with the values, and with the effects switched on that it can carry; the others, a sentence each.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::overrides`]; an effect that the library lacks, an amplitude that is impossible.
+    pub fn applied(&self, scene: &Scene) -> Result<(Scene, Vec<String>), Error> {
+        let changes = self.overrides(scene)?;
+        let scene = scene.with(&changes).map_err(Error::Scene)?;
+        self.switched_on(scene)
+    }
+
+    /// A scene with the effects that it can carry; the others, a sentence each.
+    fn switched_on(&self, mut scene: Scene) -> Result<(Scene, Vec<String>), Error> {
+        let (fillings, mut told) = (FillingLibrary::default(), Vec::new());
+        for CalibratedEffect { name, amplitude } in &self.effect {
+            let wrong = |source: effect_library::Error| Error::Text {
+                file: self.file.clone(),
+                message: source.to_string(),
+            };
+            match effect_library::apply(&mut scene, name, *amplitude, &fillings) {
+                Ok(()) => {}
+                Err(source @ effect_library::Error::Setting { .. }) => {
+                    told.push(format!(
+                        "{}: not carried over to {}: {source}",
+                        self.file, scene.file
+                    ));
+                }
+                Err(source) => return Err(wrong(source)),
+            }
+        }
+        Ok((scene, told))
+    }
+
     /// The changes that the parameters make in a scene; paths that it does not have are skipped.
     ///
     /// # Errors
@@ -288,9 +334,11 @@ pub fn read_scene(
     };
     let parameters = ParameterFile::read(set_file)?;
     let changes = [parameters.overrides(&scene)?.as_slice(), set].concat();
-    let warnings = parameters.warnings(&scene)?;
+    let mut warnings = parameters.warnings(&scene)?;
+    let (scene, not_carried) = parameters.switched_on(Scene::read(file, &changes)?)?;
+    warnings.extend(not_carried);
     Ok(ReadScene {
-        scene: Scene::read(file, &changes)?,
+        scene,
         changes,
         warnings,
     })

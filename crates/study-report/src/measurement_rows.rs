@@ -4,7 +4,7 @@ use crate::ReportInput;
 use calibration::{Comparison, Measurement, Model, Role};
 use std::collections::BTreeMap;
 
-/// A measurement with its two comparisons.
+/// A measurement with its comparisons.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MeasurementRow<'a> {
     /// What was measured.
@@ -15,6 +15,8 @@ pub(crate) struct MeasurementRow<'a> {
     pub(crate) before: Option<&'a Comparison>,
     /// At the estimate; none where no run gave it.
     pub(crate) after: Option<&'a Comparison>,
+    /// With the effects that are named; none where nothing is, or the measurement is only shown.
+    pub(crate) with_effects: Option<&'a Comparison>,
 }
 
 impl MeasurementRow<'_> {
@@ -27,6 +29,7 @@ impl MeasurementRow<'_> {
 /// All measurements: those of the fit, then the checks, then what is only shown, each in the order of the file.
 pub(crate) fn rows<'a>(input: &ReportInput<'a>) -> Vec<MeasurementRow<'a>> {
     let (problem, found) = (input.problem, input.calibration);
+    let with = found.with_effects.as_ref();
     let of = |role: Role| match role {
         Role::Fit => &found.fit,
         Role::Check => &found.check,
@@ -46,6 +49,7 @@ pub(crate) fn rows<'a>(input: &ReportInput<'a>) -> Vec<MeasurementRow<'a>> {
             model,
             before: found.before.iter().find(meant),
             after: of(measurement.role).iter().find(meant),
+            with_effects: with.and_then(|with| with.rows.iter().find(meant)),
         })
     };
     let numbers = ROLES

@@ -342,6 +342,7 @@ fn calibration(problem: &CalibrationProblem) -> Calibration {
         diagnosis: DiagnosisStage::LeftOut {
             reason: "no effect was asked for".into(),
         },
+        with_effects: None,
         remarks: vec!["Two points slide.".into()],
         met: false,
         verdict: "The fit is met; the check at 30 rpm is missed by 3.6 standard errors.".into(),

@@ -12,7 +12,7 @@ use crate::test_input::{Example, example};
 use crate::test_residual::twins;
 use crate::test_scene::frame;
 use crate::{Extent, write};
-use calibration::{DiagnosisStage, InputEstimate, Role};
+use calibration::{Comparison, DiagnosisStage, InputEstimate, Role, WithEffects};
 use std::collections::BTreeMap;
 
 /// The page of an example.
@@ -86,7 +86,35 @@ fn the_first_table_holds_every_measurement_before_and_after() {
     assert!(place("Not met (exit code 1)") < place("<table>"));
     assert!(place("sled: shown static friction") < place("drum, speed 30 rpm: angle"));
     // sqrt((20.9² + 9.6²) / 2) and sqrt((0.3² + 0.5²) / 2).
-    assert!(page.contains("16.26 before, 0.41 after"));
+    assert!(page.contains("16.26 before, 0.41 fitted"));
+}
+
+/// What is missing and named has its columns in the first tables: a check that the fit misses by 3.6 standard errors, met with the effect,
+/// and the parameter with it; whether a measurement holds is said of the last column.
+#[test]
+fn the_first_tables_show_what_is_added() {
+    let mut full = example();
+    let met = |row: &Comparison| Comparison {
+        z: 0.5,
+        holds: true,
+        ..row.clone()
+    };
+    let found = &mut full.calibration;
+    let rows = found.fit.iter().chain(&found.check).map(met).collect();
+    let mut friction = found.parameters[0].clone();
+    (friction.value, friction.se) = (0.45, Some(0.02));
+    found.with_effects = Some(WithEffects {
+        effects: [("whole-seed-damping".to_owned(), 1.0)].into(),
+        parameters: vec![friction],
+        rows,
+        holds: true,
+    });
+    let page = page(&full);
+    assert!(page.contains("with whole-seed-damping"));
+    let check = row(&page, "3");
+    assert_eq!(check[check.len() - 4..][..2], ["−3.6", "36.30 ± 0.12°"]);
+    assert_eq!(check[check.len() - 2..], ["+0.5", "yes (2.26)"]);
+    assert!(page.contains("0.450 ± 0.020"));
 }
 
 #[test]

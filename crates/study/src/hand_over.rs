@@ -1,12 +1,12 @@
 //! What other programs take over: the parameters as a file of settings, and the drums as decks.
 
 use crate::{Error, Study, StudyResult};
-use calibration::Estimate;
+use calibration::{Calibration, Estimate};
 use command_line::{Overwrite, write_new};
 use exchange::vtk::File;
 use exchange::{add_warnings, lammps, liggghts};
 use scene::{Apparatus, FillingLibrary, Scene, starting_frame};
-use scene_simulator::{CalibratedParameter, ParameterFile};
+use scene_simulator::{CalibratedEffect, CalibratedParameter, ParameterFile};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -30,14 +30,22 @@ pub fn parameter_file(estimates: &[Estimate]) -> ParameterFile {
     }
 }
 
-/// A scene with the estimates in the settings that it has.
-///
-/// # Errors
-///
-/// A value that the scene refuses.
-pub fn scene_at(scene: &Scene, estimates: &[Estimate]) -> Result<Scene, Error> {
-    let changes = parameter_file(estimates).overrides(scene)?;
-    Ok(scene.with(&changes)?)
+/// The parameters of a result as a file, with its verdict: those that were fitted with the effects that the model lacks where only these
+/// meet the measurements.
+fn of_result(calibration: &Calibration) -> ParameterFile {
+    let with = calibration.with_effects.as_ref().filter(|with| with.holds);
+    let estimates = with.map_or(&calibration.parameters, |with| &with.parameters);
+    let effects = with.iter().flat_map(|with| &with.effects);
+    let effect = |(name, amplitude): (&String, &f64)| CalibratedEffect {
+        name: name.clone(),
+        amplitude: *amplitude,
+    };
+    ParameterFile {
+        met: Some(calibration.met),
+        verdict: Some(calibration.verdict.clone()),
+        effect: effects.map(effect).collect(),
+        ..parameter_file(estimates)
+    }
 }
 
 /// Writes `parameters.toml`, and in `decks/SCENE/lammps` and `decks/SCENE/liggghts` every drum with the estimates.
@@ -53,14 +61,9 @@ pub fn write_hand_over(
     study: &Study,
     result: &mut StudyResult,
 ) -> Result<Vec<PathBuf>, Error> {
-    let estimates = result.calibration.parameters.clone();
     let path = folder.join("parameters.toml");
     // The file is passed on alone.
-    let parameters = ParameterFile {
-        met: Some(result.calibration.met),
-        verdict: Some(result.calibration.verdict.clone()),
-        ..parameter_file(&estimates)
-    };
+    let parameters = of_result(&result.calibration);
     write(&path, parameters.to_toml()?.as_bytes())?;
     let doubts = parameters.doubts();
     let mut written = vec![path];
@@ -69,7 +72,7 @@ pub fn write_hand_over(
         if !matches!(scene.apparatus, Apparatus::Drum(_)) {
             continue;
         }
-        let scene = scene_at(scene, &estimates)?;
+        let (scene, _) = parameters.applied(scene)?;
         for (tool, deck) in [
             ("lammps", lammps_deck(&scene, &fillings, result.seed)),
             ("liggghts", liggghts_deck(&scene, &fillings, result.seed)),

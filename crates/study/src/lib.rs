@@ -49,7 +49,7 @@ pub use file::{
     MeasuredEntry, MeasuredValue, ParameterEntry, PeerEntry, PhotoOptions, SceneEntry,
     SimulatorEntry, StudyFile,
 };
-pub use hand_over::{parameter_file, scene_at, write_hand_over, write_json, write_result};
+pub use hand_over::{parameter_file, write_hand_over, write_json, write_result};
 pub use init::{Starter, StarterFile};
 pub use keys::keys_of_a_study;
 pub use next::NextRow;

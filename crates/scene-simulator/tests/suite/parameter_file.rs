@@ -62,6 +62,32 @@ fn the_values_of_a_file_are_set_where_the_scene_has_them() {
     assert_eq!(friction, 0.1 + 0.2);
 }
 
+/// Effects with which the values were calibrated are switched on: damping of the whole seed in a drum, which has no plate of seeds
+/// that could give way and says so. One that the library lacks is an error that names the file.
+#[test]
+fn the_effects_of_a_file_are_switched_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let effect = |name: &str| format!("[[effect]]\nname = \"{name}\"\namplitude = 0.5\n");
+    let text = [TEXT, &effect("whole-seed-damping"), &effect("plate-give")].concat();
+    let file = ParameterFile::read(&written(&folder, &text)).unwrap();
+    let (scene, told) = file.applied(&drum()).unwrap();
+    assert_eq!(scene.model.whole_seed_damping, 0.5);
+    assert_eq!(scene.contact["seed-seed"].static_friction.get(), 0.1 + 0.2);
+    assert!(
+        told.len() == 1 && told[0].contains("plate-give"),
+        "{told:?}"
+    );
+    let again = ParameterFile::read(&written(&folder, &file.to_toml().unwrap())).unwrap();
+    assert_eq!(again, file);
+    let unknown = [TEXT, &effect("ghost")].concat();
+    let file = ParameterFile::read(&written(&folder, &unknown)).unwrap();
+    let error = file.applied(&drum()).unwrap_err().to_string();
+    assert!(
+        error.contains("parameters.toml") && error.contains("ghost"),
+        "{error}"
+    );
+}
+
 #[test]
 fn what_is_written_reads_back_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();

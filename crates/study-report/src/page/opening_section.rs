@@ -2,12 +2,13 @@
 
 use super::Page;
 use crate::Error;
+use crate::answer::answer;
 use crate::measurement_rows::{MeasurementRow, ROLES, place, role_name, root_mean_square_z, rows};
 use crate::numbers::{
     DASH, fixed_or_dash, in_unit, observable, signed, with_decimals_of, with_error,
 };
 use crate::pictures::measurement_charts::ERRORS;
-use calibration::{Comparison, Estimate, Parameter, Role};
+use calibration::{Comparison, DiagnosisStage, Estimate, Parameter, Role};
 use report::{Column, Fact, Table, Tone};
 
 /// Adds the section.
@@ -36,26 +37,41 @@ fn verdict(page: &mut Page<'_>) {
     page.report
         .section("Result")
         .verdict(colour, headline, &found.verdict);
+    if let DiagnosisStage::Done(study) = &found.diagnosis {
+        let answer = answer(study);
+        page.report.paragraph(&answer.headline);
+        let lines = answer.lines.iter();
+        let lines: Vec<String> = lines
+            .map(|(question, words)| format!("{question}: {words}"))
+            .collect();
+        super::list(&mut page.report, "Behind that answer:", &lines);
+    }
     super::list(&mut page.report, "What to keep in mind:", &found.remarks);
 }
 
 /// The headline: measured, and simulated before and after.
 fn measurements(page: &mut Page<'_>) -> Result<(), Error> {
+    let added = added(page);
+    let mut columns = vec![
+        Column::number("no."),
+        Column::text("measurement"),
+        Column::text("role"),
+        Column::number("measured"),
+        Column::number("before"),
+        Column::number("z before"),
+        Column::number("fitted"),
+        Column::number("z fitted"),
+    ];
+    if let Some(effects) = &added {
+        columns.push(Column::number(format!("with {effects}")));
+        columns.push(Column::number("z with it"));
+    }
+    columns.push(Column::text("holds (limit of |z|)"));
     let mut table = Table::new(
         "Measured, and simulated before and after. ± is the standard error of a mean; z is measured minus simulated in \
          standard errors of both. Before: with the parameters in use before. The fit uses the measurements of role \
          fit; those of role check were seen by no fit and no choice; those of role show judge nothing.",
-        vec![
-            Column::number("no."),
-            Column::text("measurement"),
-            Column::text("role"),
-            Column::number("measured"),
-            Column::number("before"),
-            Column::number("z before"),
-            Column::number("after"),
-            Column::number("z after"),
-            Column::text("holds (limit of |z|)"),
-        ],
+        columns,
     )?;
     for (number, row) in rows(page.input).into_iter().enumerate() {
         let (words, unit) = observable(&row.measurement.observable);
@@ -64,7 +80,7 @@ fn measurements(page: &mut Page<'_>) -> Result<(), Error> {
             None => DASH.to_owned(),
         };
         let z = |c: Option<&Comparison>| c.map_or_else(|| DASH.to_owned(), |c| signed(c.z, 1));
-        table.row([
+        let mut cells = vec![
             (number + 1).to_string(),
             format!("{}: {words}", place(&row.model.scene, &row.model.condition)),
             role_name(row.measurement.role).to_owned(),
@@ -73,11 +89,22 @@ fn measurements(page: &mut Page<'_>) -> Result<(), Error> {
             z(row.before),
             simulated(row.after),
             z(row.after),
-            holds(row.after),
-        ])?;
+        ];
+        if added.is_some() {
+            cells.extend([simulated(row.with_effects), z(row.with_effects)]);
+        }
+        cells.push(holds(row.with_effects.or(row.after)));
+        table.row(cells)?;
     }
     page.table(&table);
     Ok(())
+}
+
+/// The effects that are named and added; none where nothing is.
+fn added(page: &Page<'_>) -> Option<String> {
+    let with = page.input.calibration.with_effects.as_ref()?;
+    let names: Vec<&str> = with.effects.keys().map(String::as_str).collect();
+    Some(names.join(" and "))
 }
 
 /// Whether a measurement is met, in words.
@@ -99,13 +126,18 @@ fn errors(page: &mut Page<'_>) {
         let of_role = || all.iter().filter(|r| r.measurement.role == role);
         let after = root_mean_square_z(of_role().map(|r: &MeasurementRow<'_>| r.after))?;
         let before = root_mean_square_z(of_role().map(|r| r.before));
+        let with = root_mean_square_z(of_role().map(|r| r.with_effects));
         Some(Fact::new(
             format!("Root mean square of z, {}", role_name(role)),
-            format!(
-                "{} before, {} after",
-                fixed_or_dash(before, 2),
-                fixed_or_dash(Some(after), 2)
-            ),
+            [
+                Some(format!("{} before", fixed_or_dash(before, 2))),
+                Some(format!("{} fitted", fixed_or_dash(Some(after), 2))),
+                with.map(|with| format!("{} with what is added", fixed_or_dash(Some(with), 2))),
+            ]
+            .into_iter()
+            .flatten()
+            .collect::<Vec<_>>()
+            .join(", "),
         ))
     };
     let facts: Vec<Fact> = ROLES.into_iter().filter_map(fact).collect();
@@ -116,31 +148,47 @@ fn errors(page: &mut Page<'_>) {
 
 /// The parameters.
 fn parameters(page: &mut Page<'_>) -> Result<(), Error> {
+    let (added, found) = (added(page), page.input.calibration);
+    let mut columns = vec![
+        Column::text("parameter"),
+        Column::number("estimate"),
+        Column::number("95 % interval"),
+        Column::number("start"),
+        Column::number("limits"),
+        Column::text("what is known of it"),
+    ];
+    if let Some(effects) = &added {
+        columns.push(Column::number(format!("estimate with {effects}")));
+        columns.push(Column::number("95 % interval with it"));
+    }
     let mut table = Table::new(
         "Parameters. The interval covers 95 % and is cut at the limits of what is physically possible; start is the \
          value in use before.",
-        vec![
-            Column::text("parameter"),
-            Column::number("estimate"),
-            Column::number("95 % interval"),
-            Column::number("start"),
-            Column::number("limits"),
-            Column::text("what is known of it"),
-        ],
+        columns,
     )?;
     for p in &page.input.calibration.parameters {
         let declared = &page.input.problem.parameters;
         let declared = declared.iter().find(|d| d.symbol == p.symbol);
-        let like = |value: f64| with_decimals_of(value, p.se);
-        let [low, high] = p.interval95;
-        table.row([
+        let interval = |p: &Estimate| {
+            let [low, high] = p.interval95.map(|end| with_decimals_of(end, p.se));
+            in_unit(&format!("{low} to {high}"), &p.unit)
+        };
+        let mut cells = vec![
             format!("{} {}", p.symbol, p.name),
             with_error(p.value, p.se, &p.unit),
-            in_unit(&format!("{} to {}", like(low), like(high)), &p.unit),
+            interval(p),
             in_unit(&p.start.to_string(), &p.unit),
             in_unit(&format!("{} to {}", p.limits[0], p.limits[1]), &p.unit),
             known(p, declared),
-        ])?;
+        ];
+        let with = found.with_effects.iter().flat_map(|with| &with.parameters);
+        let with = with.into_iter().find(|other| other.symbol == p.symbol);
+        if added.is_some() {
+            let dashes = || [DASH.to_owned(), DASH.to_owned()];
+            let shown = |p: &Estimate| [with_error(p.value, p.se, &p.unit), interval(p)];
+            cells.extend(with.map_or_else(dashes, shown));
+        }
+        table.row(cells)?;
     }
     page.table(&table);
     let sets = page.input.calibration.parameters.iter();

@@ -2,7 +2,7 @@
 
 use super::folder::{Folder, STUDY, right};
 use calibration::Estimate;
-use study::{parameter_file, scene_at, write_result};
+use study::{parameter_file, write_result};
 
 /// Estimates of both parameters of the study.
 fn estimates() -> Vec<Estimate> {
@@ -96,7 +96,9 @@ fn an_altered_result_is_refused() {
 #[test]
 fn the_scene_of_the_decks_has_the_estimates() {
     let study = right(STUDY);
-    let scene = scene_at(&study.scenes["drum"], &estimates()).unwrap();
+    let (scene, _) = parameter_file(&estimates())
+        .applied(&study.scenes["drum"])
+        .unwrap();
     let friction = |a: &str, b: &str| scene.contact_of(a, b).unwrap().static_friction.get();
     assert_eq!(
         (friction("pea", "pea"), friction("pea", "wall")),

@@ -1,6 +1,6 @@
 //! What a calibration says on standard output.
 
-use calibration::{Comparison, DiagnosisStage, Estimate, InputEstimate};
+use calibration::{Calibration, Comparison, DiagnosisStage, Estimate, InputEstimate};
 use campaign::{range_in_words, time_in_words};
 use command_line::significant;
 use std::collections::BTreeMap;
@@ -139,6 +139,17 @@ fn priced(text: &mut String, price: &Price, threads: usize) {
 pub(super) fn result(result: &StudyResult, folder: &Path, files: &[PathBuf]) -> String {
     let found = &result.calibration;
     let mut text = parameters(&found.parameters);
+    if let Some(with) = &found.with_effects {
+        let effects = with.effects.iter();
+        let effects: Vec<String> = effects
+            .map(|(name, amplitude)| format!("{name} = {}", significant(*amplitude, 3)))
+            .collect();
+        add(
+            &mut text,
+            format_args!("\nwith {} added\n", effects.join(" and ")),
+        );
+        text.push_str(&parameters(&with.parameters));
+    }
     text.push_str(&inputs(&found.inputs));
     for open in &found.open_combinations {
         let words = open_in_words(open, &found.parameters);
@@ -149,7 +160,7 @@ pub(super) fn result(result: &StudyResult, folder: &Path, files: &[PathBuf]) -> 
         ("check", &found.check),
         ("show", &found.show),
     ] {
-        text.push_str(&comparisons(role, rows));
+        text.push_str(&comparisons(role, rows, found));
     }
     text.push_str(&compared(&result.compare));
     for remark in &found.remarks {
@@ -157,8 +168,11 @@ pub(super) fn result(result: &StudyResult, folder: &Path, files: &[PathBuf]) -> 
     }
     add(&mut text, format_args!("\n{}\n", found.verdict));
     if let DiagnosisStage::Done(done) = &found.diagnosis {
-        let headline = answer(done).headline;
-        add(&mut text, format_args!("diagnosis: {headline}\n"));
+        let answer = answer(done);
+        add(&mut text, format_args!("diagnosis: {}\n", answer.headline));
+        for (question, words) in answer.lines {
+            add(&mut text, format_args!("  {question}: {words}\n"));
+        }
     }
     add(
         &mut text,
@@ -243,34 +257,55 @@ fn inputs(inputs: &[InputEstimate]) -> String {
     text
 }
 
-/// Measured values beside simulated ones, for one role.
-fn comparisons(role: &str, rows: &[Comparison]) -> String {
+/// Measured values beside simulated ones, for one role: with the values in use before, at the estimate, and with what is missing added.
+fn comparisons(role: &str, rows: &[Comparison], found: &Calibration) -> String {
     if rows.is_empty() {
         return String::new();
     }
-    let mut text = format!(
-        "\n{role:<44} {:>18} {:>18} {:>7}\n",
-        "measured", "simulated", "z"
-    );
+    let with = found.with_effects.as_ref().filter(|_| role != "show");
+    let mut text = format!("\n{role:<44} {:>18}", "measured");
+    let mut add_heading = |heading: &str| {
+        add(&mut text, format_args!(" {heading:>18} {:>7}", "z"));
+    };
+    if !found.before.is_empty() {
+        add_heading("before");
+    }
+    add_heading("fitted");
+    if with.is_some() {
+        add_heading("with what is added");
+    }
+    text.push('\n');
     for row in rows {
         let se = row.measured.sd / row.measured.n.sqrt();
         let measured = with_error(row.measured.mean, se);
-        let simulated = with_error(row.simulated.mean, row.simulated.se);
-        let holds = match (role, row.holds) {
+        let name = format!("{} of {}{}", row.observable, row.scene, at(&row.condition));
+        add(&mut text, format_args!("{name:<44} {measured:>18}"));
+        let before = same(&found.before, row);
+        let added = with.and_then(|with| same(&with.rows, row));
+        for one in before.into_iter().chain([row]).chain(added) {
+            let simulated = with_error(one.simulated.mean, one.simulated.se);
+            add(&mut text, format_args!(" {simulated:>18} {:>7.2}", one.z));
+        }
+        text.push_str(match (role, added.unwrap_or(row).holds) {
             ("show", _) => "",
             (_, true) => "  holds",
             (_, false) => "  does not hold",
-        };
-        let name = format!("{} of {}{}", row.observable, row.scene, at(&row.condition));
-        add(
-            &mut text,
-            format_args!(
-                "{name:<44} {measured:>18} {simulated:>18} {:>7.2}{holds}\n",
-                row.z
-            ),
-        );
+        });
+        text.push('\n');
     }
     text
+}
+
+/// The row of the same measurement.
+fn same<'a>(rows: &'a [Comparison], row: &Comparison) -> Option<&'a Comparison> {
+    rows.iter().find(|other| {
+        (
+            &other.scene,
+            &other.condition,
+            &other.observable,
+            other.role,
+        ) == (&row.scene, &row.condition, &row.observable, row.role)
+    })
 }
 
 /// A value with its error; without where repeats differ by rounding alone.
