@@ -10,7 +10,7 @@ use crate::screening::screen_models;
 use crate::search::Search;
 use crate::solution_set::solution_set;
 use crate::verdict::verdict;
-use crate::with_effects;
+use crate::with_effects::judged_with;
 use crate::{
     Calibration, CalibrationProblem, Comparison, DiagnosisStage, Error, Estimate, InputEstimate,
     JointEstimate, LoopSettings, PlannedStage, Role, RunList, StageCost, planned,
@@ -28,6 +28,8 @@ const STAGE_CHECK: u64 = 60;
 
 /// Standard deviations by which an input may move without a remark.
 const FAR: f64 = 2.0;
+/// All roles, in the order in which measurements are told.
+const ROLES: [Role; 3] = [Role::Fit, Role::Check, Role::Show];
 /// Place of the screening in the plan.
 const SCREENING: usize = 1;
 /// Place of the surfaces.
@@ -81,14 +83,12 @@ pub fn calibrate(
     let checked = check(&runner, &confirmed, &estimate)?;
     clock.begin(DIAGNOSIS);
     let at = &confirmed.found.best;
-    let spent = elsewhere + search.boxes.iter().map(|b| b.n_runs).sum::<usize>();
-    let spent = spent + (confirmed.rounds.len() - 1) * stages[CONFIRMATION].runs();
+    let again = (confirmed.rounds.len() - 1) * stages[CONFIRMATION].runs();
+    let spent = elsewhere + again + search.boxes.iter().map(|b| b.n_runs).sum::<usize>();
     let diagnosis = diagnosis_left(campaign, &counted, problem, settings, (at, spent))?;
     let surfaces = all_surfaces(&confirmed, &checked.planes);
     let row =
         |role, runs, covariance, at: &[f64]| compare(asked, role, runs, &surfaces, covariance, at);
-    let start = problem.start();
-    let roles = [Role::Fit, Role::Check, Role::Show];
     let covariance = Some(&estimate.uncertainty.covariance);
     let fit = row(Role::Fit, &confirmed.runs, None, at);
     let checks = row(Role::Check, &checked.at_estimate, covariance, at);
@@ -104,18 +104,14 @@ pub fn calibrate(
         unknown_inputs(problem, &surfaces),
         missed_but_shown(&show),
     ];
-    let (mut met, mut verdict) = verdict(problem, &estimate, &fit, &checks, &confirmed);
-    let with_effects = with_effects::with_effects(problem, &diagnosis).filter(|_| !met);
-    if let Some(with) = &with_effects {
-        met = with.holds;
-        verdict.push_str(&with_effects::in_words(with, problem));
-    }
+    let judged = verdict(problem, &estimate, &fit, &checks, &confirmed);
+    let (with_effects, met, verdict) = judged_with(problem, &diagnosis, judged);
     Ok(Calibration {
         id: problem.id.clone(),
         settings: settings.clone(),
-        before: roles
+        before: ROLES
             .iter()
-            .flat_map(|role| row(*role, &before, None, &start))
+            .flat_map(|role| row(*role, &before, None, &problem.start()))
             .collect::<Vec<Comparison>>(),
         show,
         surfaces: search.told(&confirmed.found)?,

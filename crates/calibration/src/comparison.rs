@@ -64,6 +64,7 @@ pub(crate) fn tails_of(problem: &CalibrationProblem, role: Role) -> f64 {
 }
 
 /// What the simulator shows of a measurement.
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Simulated {
     /// The mean over the runs.
     pub(crate) mean: SimulatedMean,

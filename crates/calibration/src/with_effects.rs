@@ -12,11 +12,24 @@ use residual_diagnosis::Verdict;
 /// Chance that an interval misses its parameter.
 const MISSES: f64 = 0.05;
 
-/// The measurements and parameters with the effects that are named; none where nothing is.
-pub(crate) fn with_effects(
+/// A verdict that is not met, with the effects that are named, if any: whether all is met with them, and the sentence.
+pub(crate) fn judged_with(
     problem: &CalibrationProblem,
     diagnosis: &DiagnosisStage,
-) -> Option<WithEffects> {
+    (met, verdict): (bool, String),
+) -> (Option<WithEffects>, bool, String) {
+    match with_effects(problem, diagnosis).filter(|_| !met) {
+        None => (None, met, verdict),
+        Some(with) => {
+            let verdict = verdict + &in_words(&with, problem);
+            let met = with.holds;
+            (Some(with), met, verdict)
+        }
+    }
+}
+
+/// The measurements and parameters with the effects that are named; none where nothing is.
+fn with_effects(problem: &CalibrationProblem, diagnosis: &DiagnosisStage) -> Option<WithEffects> {
     let DiagnosisStage::Done(study) = diagnosis else {
         return None;
     };
@@ -101,7 +114,7 @@ fn estimates(
 }
 
 /// The sentence behind a verdict that was not met without the effects.
-pub(crate) fn in_words(with: &WithEffects, problem: &CalibrationProblem) -> String {
+fn in_words(with: &WithEffects, problem: &CalibrationProblem) -> String {
     let names: Vec<&str> = with.effects.keys().map(String::as_str).collect();
     let names = names.join(" and ");
     let missed: Vec<String> = with

@@ -113,7 +113,7 @@ fn stacked(above: &DMatrix<f64>, below: &DMatrix<f64>) -> DMatrix<f64> {
 mod tests {
     use super::{KeptCondition, ln_over_unknown};
     use crate::decision::LN_FACTOR_TO_NAME;
-    use crate::{CovarianceInput, Options, Problem, ProblemFile, Verdict, diagnose};
+    use crate::{Condition, CovarianceInput, Options, Problem, ProblemFile, Verdict, diagnose};
     use nalgebra::DMatrix;
 
     /// Two values at one condition, 10 standard deviations off, and an effect that lifts all three observables alike. No parameter.
@@ -122,7 +122,7 @@ mod tests {
             .map(|i| (0..3).map(|k| if i == k { 0.5 } else { 0.0 }).collect())
             .collect();
         let file = ProblemFile {
-            conditions: vec![Default::default()],
+            conditions: vec![Condition::default()],
             observables: vec!["a".into(), "b".into(), "c".into()],
             residual_obs_minus_sim: vec![Some(10.0), Some(10.0), None],
             cov_measurement: Some(CovarianceInput::Matrix(half.clone())),
@@ -138,7 +138,7 @@ mod tests {
     /// A kept condition where observable c is so far off, without the effect and with it.
     fn kept(without: f64, with: f64) -> KeptCondition {
         KeptCondition {
-            condition: Default::default(),
+            condition: Condition::default(),
             observables: vec![2],
             covariance: DMatrix::identity(1, 1),
             without: vec![without],
@@ -146,8 +146,8 @@ mod tests {
         }
     }
 
-    /// An unknown effect lifts two values as well as one of the library, which is favoured for its one amplitude alone, and not by 100 to
-    /// 1. A third value tells: where the effect leaves nothing of 10, an unknown one has the density of N(0, 1 + 50) at 10 at best, a
+    /// An unknown effect lifts two values as well as one of the library, which is favoured for its one amplitude alone, and not by odds
+    /// of 100. A third value tells: where the effect leaves nothing of 10, an unknown one has the density of N(0, 1 + 50) at 10 at best, a
     /// factor of e^(-0.5 ln 51 - 0.5 100 / 51) = e^-2.95 below that of the effect; the smaller sizes of its prior change that by less
     /// than 0.5. Where the effect does not lift it that far it is not favoured.
     #[test]
