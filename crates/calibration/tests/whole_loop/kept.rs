@@ -87,14 +87,14 @@ fn calibrated(problem: &CalibrationProblem) -> Calibration {
     let store = Store::in_memory();
     let campaign = Campaign::new(&store, 1, &Silent);
     let settings = LoopSettings::default();
-    calibrate(&campaign, &Drops, problem, &settings, &|_| {}).unwrap()
+    calibrate(&campaign, &Drops, problem, &settings, &|_| {}).expect("all runs give a result")
 }
 
-/// What the residual says.
-fn residual(found: &Calibration) -> &ResidualStudy {
+/// What the residual says; none where nobody asked.
+fn residual(found: &Calibration) -> Option<&ResidualStudy> {
     match &found.diagnosis {
-        DiagnosisStage::Done(study) => study,
-        DiagnosisStage::LeftOut { reason } => panic!("{reason}"),
+        DiagnosisStage::Done(study) => Some(study),
+        DiagnosisStage::LeftOut { .. } => None,
     }
 }
 
@@ -106,7 +106,7 @@ fn residual(found: &Calibration) -> &ResidualStudy {
 #[test]
 fn a_kept_condition_that_is_met_gives_the_name() {
     let found = calibrated(&drops(Some(0.15)));
-    let named = residual(&found);
+    let named = residual(&found).unwrap();
     let summary = named.diagnosis.summary();
     assert_eq!(named.diagnosis.verdict, Verdict::Named, "{summary}");
     let with = found.with_effects.as_ref().unwrap();
@@ -118,7 +118,7 @@ fn a_kept_condition_that_is_met_gives_the_name() {
     assert_eq!((misses(&before), misses(&with.rows)), (3, 0));
     for on_glass in [None, Some(0.30)] {
         let found = calibrated(&drops(on_glass));
-        let open = residual(&found);
+        let open = residual(&found).unwrap();
         let summary = open.diagnosis.summary();
         assert_eq!(open.diagnosis.verdict, Verdict::Unknown, "{summary}");
         assert_eq!(open.diagnosis.suspects, ["damping"]);
