@@ -4,7 +4,9 @@ use crate::information::{
     bounded_inverse, by_inputs, spread_added, with_noisy_inputs, without_inputs,
 };
 use crate::joint_fit::{JointFit, Minimum, Target, Whitening};
-use crate::noisy_slopes::{noise_beside_inputs, noise_of_inputs, standing_out, without_noise};
+use crate::noisy_slopes::{
+    growth_with_distance, noise_beside_inputs, noise_of_inputs, standing_out, without_noise,
+};
 use crate::{Error, Estimate, FitTest, InputEstimate, OpenCombination, Parameter, Prior};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use probability::{f_upper_tail, normal_quantile, t_two_sided_quantile};
@@ -20,6 +22,9 @@ const OPEN: f64 = 0.5;
 const SHARE: f64 = 0.1;
 /// Halvings of the bracket of an end of an interval.
 const HALVINGS: usize = 40;
+/// Most of the variance at an end of an interval that slopes which are not known exactly may make: the interval then doubles. Slopes
+/// that are known less are noise, and dropped as such.
+const MOST_BEYOND: f64 = 0.75;
 /// Distance from a limit, in widths of the limits, at which an estimate lies on it.
 const ON_A_LIMIT: f64 = 1e-6;
 
@@ -37,6 +42,8 @@ pub(crate) struct Uncertainty {
     by_inputs: DMatrix<f64>,
     /// Variance of each parameter over what it would be if weights and slopes along inputs were known.
     inflation: Vec<f64>,
+    /// Factor by which the variance of each parameter is larger at the ends of its interval.
+    growth: Vec<f64>,
     /// Effective degrees of freedom of each variance.
     degrees_of_freedom: Vec<f64>,
     /// Whether slopes count that the surfaces have: along a combination that was dropped as noise they do not.
@@ -141,7 +148,23 @@ impl Uncertainty {
         let degrees_of_freedom = effective(fit, best, whitening, &scaled, &covariance);
         let grown = with_estimated_weights(fit, best, whitening, &scaled, &covariance);
         let by_fit = bounded_inverse(&by_fit);
+        let growth = growth_with_distance(
+            fit,
+            best,
+            whitening,
+            (&known, &scaled),
+            (&covariance, &width),
+        );
         let inflation = (0..k).map(|j| grown[(j, j)] / by_fit[(j, j)]).collect();
+        let at_the_ends = |(growth, dof): (&f64, &f64)| {
+            let beyond = (student(*dof).powi(2) - 1.0).max(0.0) * growth;
+            1.0 / (1.0 - beyond.min(MOST_BEYOND))
+        };
+        let growth = growth
+            .iter()
+            .zip(&degrees_of_freedom)
+            .map(at_the_ends)
+            .collect();
         Self {
             directions: directions(&marginal),
             by_data: directions(&(&marginal - priors)),
@@ -149,6 +172,7 @@ impl Uncertainty {
                 * by_inputs(&all, &precisions),
             covariance: unscale(grown),
             inflation,
+            growth,
             degrees_of_freedom,
             of_the_surfaces: !known.dropped,
         }
@@ -252,8 +276,9 @@ pub(crate) fn inputs(
 /// # Formula
 ///
 /// An end of an interval is where the least Q over all other parameters has risen by t² times the growth of the variance
-/// by estimated weights, t Student's quantile for the effective degrees of freedom (profile); for a plane that is
-/// `value +- t se`. If slopes were dropped as noise, the surfaces still have them, and the end is that of the plane. Outside the box
+/// by estimated weights and by `1 / (1 - (t² - 1) h)`, t Student's quantile for the effective degrees of freedom (profile) and h what
+/// [the error of the slopes adds at one standard error](growth_with_distance) `[Fieller1954]`, once of which is in the variance; for a
+/// plane with exact slopes that is `value +- t se`. If slopes were dropped as noise, the surfaces still have them, and the end is that of the plane. Outside the box
 /// the surfaces say nothing: there the end is that of the plane too, at least the edge of the box. Ends are cut at the limits.
 pub(crate) fn estimates(
     fit: &JointFit<'_>,
@@ -305,11 +330,12 @@ fn end(
     (j, side): (usize, f64),
 ) -> f64 {
     let t = uncertainty.quantile(j);
-    let half = t * uncertainty.covariance[(j, j)].sqrt() / fit.region.half(j);
+    let growth = uncertainty.growth[j];
+    let half = t * (growth * uncertainty.covariance[(j, j)]).sqrt() / fit.region.half(j);
     if !uncertainty.of_the_surfaces {
         return fit.region.natural(j, best.coded[j] + side * half);
     }
-    let limit = best.misfit + t * t * uncertainty.inflation[j];
+    let limit = best.misfit + t * t * growth * uncertainty.inflation[j];
     if let Some(x) = crossing(fit, best, whitening, (j, side), half, limit) {
         return fit.region.natural(j, x);
     }

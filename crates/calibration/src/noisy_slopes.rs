@@ -138,6 +138,56 @@ pub(crate) fn noise_beside_inputs(
     sum
 }
 
+/// By how much the variance of each parameter is larger at one standard error from the estimate, over that variance, because the
+/// slopes are not known exactly.
+///
+/// # Formula
+///
+/// `sum over surfaces of ((g'S g) (c'G c) + sum over targets i of g_i² sum over parameters a of c_a² H_ia) / C_jj²`, g the gains of
+/// parameter j from the measured means, S the covariance of a run, c column j of the covariance C, G the covariance of the slopes
+/// over the variance of a run, and H the [variance of slopes by what a quadratic leaves out](crate::surface::Surface::hidden_slopes)
+/// `[Fieller1954]`.
+pub(crate) fn growth_with_distance(
+    fit: &JointFit<'_>,
+    best: &Minimum,
+    whitening: &Whitening,
+    (known, slopes): (&StandingOut, &DMatrix<f64>),
+    (covariance, width): (&DMatrix<f64>, &[f64]),
+) -> Vec<f64> {
+    let (k, tuned) = (covariance.nrows(), fit.n_tuned());
+    let at = fit.natural(&best.coded);
+    let noises = noises(fit, best, whitening, (0..k, width));
+    let gains = covariance * slopes.rows(0, fit.targets.len()).transpose();
+    let gains = whitening.plain(&gains);
+    let mut growth = vec![0.0; k];
+    let blocks = fit.blocks();
+    for (((first, block), noise), map) in blocks.iter().zip(&noises).zip(&known.kept) {
+        let surface = &fit.surfaces[block[0].surface];
+        let of_run =
+            |a: usize, b: usize| surface.covariance[(block[a].observable, block[b].observable)];
+        let of_run = DMatrix::from_fn(block.len(), block.len(), of_run);
+        let hidden = block
+            .iter()
+            .map(|t| surface.hidden_slopes(t.observable, &at));
+        let hidden: Vec<Vec<f64>> = hidden.collect();
+        let mut kept = DMatrix::identity(k, k);
+        kept.view_mut((0, 0), (tuned, tuned)).copy_from(map);
+        let along = kept * covariance;
+        for (j, growth) in growth.iter_mut().enumerate() {
+            let gain = gains.row(j).columns(*first, block.len()).transpose();
+            let along = along.column(j);
+            let by_noise = (&of_run * &gain).dot(&gain) * (&noise.slopes * along).dot(&along);
+            let by_hidden = gain.iter().zip(&hidden).map(|(gain, hidden)| {
+                let each = surface.parameters.iter().zip(hidden);
+                let each = each.map(|(&a, variance)| (width[a] * along[a]).powi(2) * variance);
+                gain * gain * each.sum::<f64>()
+            });
+            *growth += (by_noise + by_hidden.sum::<f64>()) / covariance[(j, j)].powi(2);
+        }
+    }
+    growth
+}
+
 /// What slopes are to be multiplied with from the right, so that their information is without what noise adds to it: `K'M K = M - N`
 /// along the combinations that make M and N diagonal together, and nothing where N is more.
 pub(crate) fn without_noise(information: &DMatrix<f64>, noise: &DMatrix<f64>) -> DMatrix<f64> {

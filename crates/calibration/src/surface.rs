@@ -50,6 +50,8 @@ pub(crate) struct Surface {
     coefficients: DMatrix<f64>,
     /// (X'X)^-1.
     inverse: DMatrix<f64>,
+    /// What a cube of each tuned parameter adds to the coefficients of the terms, `(X'X)^-1 X'Z`, (terms, tuned); empty for a plane.
+    aliases: DMatrix<f64>,
     /// Sums of products of the residuals of the observables.
     products: DMatrix<f64>,
     /// Covariance of the observables of one run about the surface, its correlations shrunk.
@@ -105,6 +107,13 @@ impl Surface {
                 continue;
             };
             let coefficients = &inverse * x.tr_mul(&y);
+            let cubes = if degree == Degree::Quadratic {
+                curved
+            } else {
+                0
+            };
+            let z = DMatrix::from_fn(points.len(), cubes, |i, j| points[i][j].powi(3));
+            let aliases = &inverse * x.tr_mul(&z);
             let residual = &y - &x * &coefficients;
             let dof = (rows.len() - p) as f64;
             let products = residual.tr_mul(&residual);
@@ -118,6 +127,7 @@ impl Surface {
                 degree,
                 coefficients,
                 inverse,
+                aliases,
                 products,
                 covariance,
                 shrinkage,
@@ -184,6 +194,36 @@ impl Surface {
         DMatrix::from_fn(k, k, |a, b| {
             (&self.inverse * &rows[a]).dot(&rows[b]) / (half(a) * half(b))
         })
+    }
+
+    /// Variance of each slope of an observable by the cubes that a quadratic leaves out: for the parameters of the model in their
+    /// order, per squared unit of each.
+    ///
+    /// # Formula
+    ///
+    /// The coefficient c of `x³` is unknown, with mean 0 and standard deviation `|b2| min(|b2 / b1|, 1)`, b1 and b2 those of `x` and
+    /// `x²`: the terms of a series fall by one ratio, as those of `x / (1 + x)`. Of an exponential, c is two thirds of that to first
+    /// order, of a logarithm four thirds, of a parabola nothing. What noise adds to b2² is taken off. Design runs take the part of the
+    /// cube for terms of the quadratic that these imitate: c changes the slope by `3 x² - r'A`, r the derivatives of the terms and A
+    /// the alias matrix `[Myers2016, chapter 9]`.
+    pub(crate) fn hidden_slopes(&self, k: usize, at: &[f64]) -> Vec<f64> {
+        let coded = self.coded(at);
+        let coefficient = self.coefficients.column(k);
+        let n = self.parameters.len();
+        let mut variances = vec![0.0; n];
+        for (j, alias) in self.aliases.column_iter().enumerate() {
+            // Behind 1 and each x come the products, those of lower coordinates first.
+            let square = 1 + n + (0..j).map(|i| self.curved - i).sum::<usize>();
+            let (b1, b2) = (coefficient[1 + j], coefficient[square]);
+            let noise = self.inverse[(square, square)] * self.covariance[(k, k)];
+            let seen = (b2 * b2 - noise).max(0.0);
+            let ratio = if b2.abs() < b1.abs() { b2 / b1 } else { 1.0 };
+            let row = DVector::from_vec(slope_of_terms((self.degree, self.curved), &coded, j));
+            let slope =
+                (3.0 * coded[j].powi(2) - row.dot(&alias)) / self.region.half(self.parameters[j]);
+            variances[j] = seen * (ratio * slope).powi(2);
+        }
+        variances
     }
 
     /// The slope along parameter `j` over its standard error; 0 where the model does not depend on it.
@@ -456,6 +496,32 @@ mod tests {
         let slopes = surface.slopes(0, &at);
         assert!((slopes[0] - (1.4 - 1.4)).abs() < 1e-12, "{slopes:?}");
         assert!((slopes[1] + 0.07).abs() < 1e-12, "{slopes:?}");
+    }
+
+    /// Of `1 - exp(-x)` over -1 to 1, runs at three levels give b1 = sinh 1 and b2 = 1 - cosh 1 and take the cube for x, so that c moves
+    /// the slope in the middle by -c: sd |b2| tanh(1/2) = 0.251, and the slope is in truth off by sinh 1 - 1 = 0.175. A parabola with
+    /// b1 = 4 and b2 = 1 may hide 1/4.
+    #[test]
+    fn a_steep_bend_may_hide_a_cube() {
+        let at = |x: f64, y: f64| Sample {
+            place: 0,
+            at: vec![1.0 + x, 20.0],
+            values: BTreeMap::from([("y".to_owned(), y)]),
+            regime: String::new(),
+            key: format!("{x}"),
+        };
+        let hidden = |shows: fn(f64) -> f64| {
+            let samples = [-1.0, 0.0, 1.0, -1.0, 0.0, 1.0].map(|x| at(x, shows(x)));
+            let all: Vec<_> = samples.iter().collect();
+            let axes = (0, &[0][..], &[][..]);
+            let names = ["y".to_owned()];
+            let surface = Surface::fit(axes, &names, &region(), &all, Degree::Quadratic).unwrap();
+            surface.hidden_slopes(0, &[1.0, 20.0])[0].sqrt()
+        };
+        let of_exponential = (1.0_f64.cosh() - 1.0) * 0.5_f64.tanh();
+        assert!((hidden(|x| 1.0 - (-x).exp()) - of_exponential).abs() < 1e-9);
+        assert!((hidden(|x| 4.0 * x + x * x) - 0.25).abs() < 1e-9);
+        assert!(hidden(|x| 4.0 * x) < 1e-9);
     }
 
     /// With n fresh runs at a point the surface goes through their mean, with the variance of that mean.

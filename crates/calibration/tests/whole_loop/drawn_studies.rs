@@ -442,6 +442,10 @@ fn saturating(name: &'static str, truth: f64, ratio: f64) -> Kind {
 }
 
 /// Two parameters over a wide box in which three angles bend otherwise than a parabola.
+///
+/// Coverage of 300 studies each, runs 0.3, 1 and 3 se, worst parameter: without the hidden cubic term in the intervals 94, 90 and
+/// 91 % (fit), 91, 90 and 93 % (joint); with it 94, 96 and 95 %, 91, 94 and 95 %, and medians of the width of F 1, 16 and 22 % larger.
+/// At 0.3 se the check's plane is what is bent, of which no curvature is seen.
 fn bent(name: &'static str, ratio: f64) -> Kind {
     let of = |shows: Shows| vec![observable("angle", shows, 0.25, 0.25 * ratio)];
     Kind {
@@ -631,13 +635,24 @@ fn a_stated_error_of_the_fill_is_in_the_intervals() {
 #[test]
 #[ignore = "26 000 studies take half an hour; `just drawn-studies`"]
 fn table_of_drawn_studies() {
-    let studies = 1000;
+    table("", 1000);
+}
+
+/// The rows of the curved responses from 300 studies each.
+#[test]
+#[ignore = "2400 studies take a minute"]
+fn table_of_curved_studies() {
+    table("E", 300);
+}
+
+/// Prints the rows of the kinds whose names begin so.
+fn table(begin: &str, studies: u64) {
     println!(
         "| {studies} studies | met | fit: cover where fixed, worst | fixed, least | median width | joint: cover where fixed, worst | fixed, least | median width | opened, worst |"
     );
     println!("|---|--:|--:|--:|---|--:|--:|---|--:|");
-    for kind in kinds() {
-        let summary = many(&kind, studies);
+    for kind in kinds().iter().filter(|k| k.name.starts_with(begin)) {
+        let summary = many(kind, studies);
         let percent = |n: f64| format!("{:.1}", 100.0 * n);
         let worst = |all: &[Counts]| {
             let fixed = all.iter().filter(|c| c.fixed > 0);
