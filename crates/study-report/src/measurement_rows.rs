@@ -1,7 +1,7 @@
 //! Every measurement beside what was simulated before and after.
 
 use crate::ReportInput;
-use calibration::{Comparison, Measurement, Model, Role};
+use calibration::{Comparison, Measurement, Model, Role, WithEffects};
 use std::collections::BTreeMap;
 
 /// A measurement with its comparisons.
@@ -56,6 +56,12 @@ pub(crate) fn rows<'a>(input: &ReportInput<'a>) -> Vec<MeasurementRow<'a>> {
         .into_iter()
         .flat_map(|role| problem.measurements_of(role));
     numbers.filter_map(row).collect()
+}
+
+/// The effects of a model in words.
+pub(crate) fn effects_of(with: &WithEffects) -> String {
+    let names: Vec<&str> = with.effects.keys().map(String::as_str).collect();
+    names.join(" and ")
 }
 
 /// The roles in the order of the report.

@@ -3,7 +3,9 @@
 use super::Page;
 use crate::Error;
 use crate::answer::answer;
-use crate::measurement_rows::{MeasurementRow, ROLES, place, role_name, root_mean_square_z, rows};
+use crate::measurement_rows::{
+    MeasurementRow, ROLES, effects_of, place, role_name, root_mean_square_z, rows,
+};
 use crate::numbers::{
     DASH, fixed_or_dash, in_unit, observable, signed, with_decimals_of, with_error,
 };
@@ -102,9 +104,7 @@ fn measurements(page: &mut Page<'_>) -> Result<(), Error> {
 
 /// The effects that are named and added; none where nothing is.
 fn added(page: &Page<'_>) -> Option<String> {
-    let with = page.input.calibration.with_effects.as_ref()?;
-    let names: Vec<&str> = with.effects.keys().map(String::as_str).collect();
-    Some(names.join(" and "))
+    page.input.calibration.with_effects.as_ref().map(effects_of)
 }
 
 /// Whether a measurement is met, in words.

@@ -1,7 +1,7 @@
 //! The error of every measurement before and after, in one chart.
 
 use super::NamedPicture;
-use crate::measurement_rows::{MeasurementRow, rows};
+use crate::measurement_rows::{MeasurementRow, effects_of, rows};
 use crate::{Error, ReportInput};
 use calibration::Role;
 use report::{AxisTitle, ResidualCondition, ResidualPanel, Residuals};
@@ -9,7 +9,7 @@ use report::{AxisTitle, ResidualCondition, ResidualPanel, Residuals};
 /// Name of the chart.
 pub(crate) const ERRORS: &str = "errors";
 
-/// Measured minus simulated in standard errors, before and after, by the number of the measurement in the first table,
+/// Measured minus simulated in standard errors, before, fitted and with what is added, by the number of the measurement in the first table,
 /// with the band in which it is met; nothing where no run was made at the estimate.
 pub(super) fn chart(input: &ReportInput<'_>) -> Result<Option<NamedPicture>, Error> {
     let all: Vec<MeasurementRow<'_>> = rows(input);
@@ -22,8 +22,12 @@ pub(super) fn chart(input: &ReportInput<'_>) -> Result<Option<NamedPicture>, Err
         models.push("before".to_owned());
         residuals.push(all.iter().map(|r| r.before.map(|c| c.z)).collect());
     }
-    models.push("after".into());
+    models.push("fitted".into());
     residuals.push(all.iter().map(|r| r.after.map(|c| c.z)).collect());
+    if let Some(with) = &input.calibration.with_effects {
+        models.push(format!("with {}", effects_of(with)));
+        residuals.push(all.iter().map(|r| r.with_effects.map(|c| c.z)).collect());
+    }
     let condition = |(number, row): (usize, &MeasurementRow<'_>)| ResidualCondition {
         name: (number + 1).to_string(),
         role: match row.measurement.role {

@@ -3,6 +3,7 @@
 use calibration::{Calibration, Comparison, DiagnosisStage, Estimate, InputEstimate};
 use campaign::{range_in_words, time_in_words};
 use command_line::significant;
+use report::counted;
 use std::collections::BTreeMap;
 use std::fmt::{Arguments, Write as _};
 use std::path::{Path, PathBuf};
@@ -18,13 +19,17 @@ fn add(text: &mut String, more: Arguments<'_>) {
 pub(crate) fn plan(study: &Study, price: &Price, threads: usize) -> String {
     let problem = &study.problem;
     let mut text = format!(
-        "{}: {} parameters, {} inputs with an error, {} measurements on {} models, {} effects to search\n",
+        "{}: {}, {} with an error, {} on {}, {} to search\n",
         problem.id,
-        problem.n_tuned(),
-        problem.parameters.len() - problem.n_tuned(),
-        problem.measurements.len(),
-        problem.models.len(),
-        problem.effects.len()
+        counted(problem.n_tuned(), "parameter", "parameters"),
+        counted(
+            problem.parameters.len() - problem.n_tuned(),
+            "input",
+            "inputs"
+        ),
+        counted(problem.measurements.len(), "measurement", "measurements"),
+        counted(problem.models.len(), "model", "models"),
+        counted(problem.effects.len(), "effect", "effects")
     );
     for model in &problem.models {
         let symbols = model.parameters.iter();
