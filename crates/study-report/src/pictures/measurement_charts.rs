@@ -1,7 +1,7 @@
 //! The error of every measurement before and after, in one chart.
 
 use super::NamedPicture;
-use crate::measurement_rows::{MeasurementRow, effects_of, rows};
+use crate::measurement_rows::{MeasurementRow, rows};
 use crate::{Error, ReportInput};
 use calibration::Role;
 use report::{AxisTitle, ResidualCondition, ResidualPanel, Residuals};
@@ -24,8 +24,8 @@ pub(super) fn chart(input: &ReportInput<'_>) -> Result<Option<NamedPicture>, Err
     }
     models.push("fitted".into());
     residuals.push(all.iter().map(|r| r.after.map(|c| c.z)).collect());
-    if let Some(with) = &input.calibration.with_effects {
-        models.push(format!("with {}", effects_of(with)));
+    if input.calibration.with_effects.is_some() {
+        models.push("with what is added".into());
         residuals.push(all.iter().map(|r| r.with_effects.map(|c| c.z)).collect());
     }
     let condition = |(number, row): (usize, &MeasurementRow<'_>)| ResidualCondition {
