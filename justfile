@@ -102,7 +102,7 @@ null-campaigns:
 # that are right and wrong (minutes).
 [group('trials of the instruments')]
 name-campaigns:
-    cargo test --release --locked -p calibration --lib rates_of_names -- --ignored --nocapture
+    cargo test --release --locked -p calibration --lib rates_of_ -- --ignored --nocapture
 
 # Draw ties with known truth, measure once more what is proposed, and write what that resolves to out/next-trials.md (minutes).
 [group('trials of the instruments')]

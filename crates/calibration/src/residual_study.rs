@@ -397,6 +397,8 @@ fn over_unknown(
 }
 
 #[cfg(test)]
+mod amplitude_tests;
+#[cfg(test)]
 mod candidate_tests;
 #[cfg(test)]
 mod estimate_tests;
