@@ -2,6 +2,7 @@
 //!
 //! The linear prediction only proposes: every error in the result comes from real runs.
 
+pub(crate) mod amplitude;
 pub(crate) mod amplitude_search;
 mod assemble;
 mod candidates;
@@ -24,8 +25,8 @@ use linearisation::Linearisation;
 use plan::check;
 pub use plan::{DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition};
 use residual_diagnosis::{
-    CheckedModel, Contrast, Diagnosis, Options, Problem, ProblemFile, RefittedModel, Verdict,
-    diagnose, ln_over_unknown,
+    Amplitude, CheckedModel, Contrast, Diagnosis, Options, Problem, ProblemFile, RefittedModel,
+    Verdict, diagnose, ln_over_unknown,
 };
 use rivals::{Decided, after_and_rivals};
 use runs::At;
@@ -100,8 +101,8 @@ impl ResidualStudy {
 pub struct AddedEffect {
     /// Amplitudes by effect, of the runs.
     pub effects: BTreeMap<String, f64>,
-    /// Amplitudes that the data ask for about these, by the slopes beyond them, with the standard errors of noise.
-    pub estimates: BTreeMap<String, [f64; 2]>,
+    /// Amplitudes that the data ask for, by the runs at these and other ones, with their 95 % intervals.
+    pub estimates: BTreeMap<String, Amplitude>,
     /// Declared parameters after the fit with the effect on.
     pub fitted: BTreeMap<String, f64>,
     /// Their standard errors; without those that the slopes do not tell.
@@ -330,8 +331,8 @@ fn looked_at(fits: &Fits<'_>, mut linear: Linearisation, fit: &Visited) -> Resul
     })
 }
 
-/// The amplitudes that the data ask for, with their errors: of an effect in several models that in the first.
-fn amplitudes_of(added: &[AddedEffect]) -> BTreeMap<String, [f64; 2]> {
+/// The amplitudes that the data ask for, with their intervals: of an effect in several models that in the first.
+fn amplitudes_of(added: &[AddedEffect]) -> BTreeMap<String, Amplitude> {
     let mut all = BTreeMap::new();
     for (name, estimate) in added.iter().flat_map(|model| &model.estimates) {
         all.entry(name.clone()).or_insert(*estimate);

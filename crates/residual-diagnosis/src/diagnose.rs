@@ -8,15 +8,16 @@ use crate::before_after::{BeforeAfter, before_after};
 use crate::decision::{Decision, decide};
 use crate::detectability::{smallest_detectable, testable, why_unseen};
 use crate::diagnosis::{
-    CandidateResult, ConditionShare, DeclaredResult, Diagnosis, Evidence, Limit, ObservableSupport,
-    StructuredResidual, Verdict,
+    Amplitude, CandidateResult, ConditionShare, DeclaredResult, Diagnosis, Evidence, Limit,
+    ObservableSupport, StructuredResidual, Verdict,
 };
 use crate::fit::Fit;
 use crate::gates::{GATE, Gates};
 use crate::next_measurement::next_measurement;
 use crate::problem::Problem;
+use crate::refits::KNOWN;
 use crate::summary::summary;
-use probability::normal_upper_quantile;
+use probability::{normal_upper_quantile, t_two_sided_quantile};
 
 /// Chance with which the smallest detectable amplitude is seen.
 const POWER: f64 = 0.9;
@@ -391,14 +392,21 @@ fn structured_residual(problem: &Problem, decision: &Decision) -> StructuredResi
     }
 }
 
-/// Amplitudes of the effects that were taken, together.
-fn amplitudes(problem: &Problem, decision: &Decision) -> BTreeMap<String, [f64; 2]> {
+/// Amplitudes of the effects that were taken, together, by their slopes.
+fn amplitudes(problem: &Problem, decision: &Decision) -> BTreeMap<String, Amplitude> {
     let fit = &decision.chosen;
     let values = fit.amplitudes.iter().zip(&fit.standard_errors);
     let effects = fit.effects.iter().zip(values);
-    effects
-        .map(|(&j, (a, se))| (problem.candidates[j].name.clone(), [*a, *se]))
-        .collect()
+    let dof = problem.covariance_dof.unwrap_or(KNOWN);
+    let quantile = t_two_sided_quantile(0.05, dof).unwrap_or(f64::INFINITY);
+    let amplitude = |(&j, (&value, se)): (&usize, (&f64, &f64))| {
+        let candidate = &problem.candidates[j];
+        let [low, high] = candidate.range();
+        let end = |times: f64| (value + times * se).max(low).min(high);
+        let interval95 = [end(-quantile), end(quantile)];
+        (candidate.name.clone(), Amplitude { value, interval95 })
+    };
+    effects.map(amplitude).collect()
 }
 
 /// What is known of the declared parameters.

@@ -1,5 +1,6 @@
 //! The outcome of a diagnosis, as it is written and read.
 
+use quantity::significant;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -72,8 +73,8 @@ pub struct Diagnosis {
     pub not_testable: Vec<String>,
     /// Statistic that the largest score must reach; none without candidates.
     pub z_critical: Option<f64>,
-    /// Amplitudes of the effects that were taken, together, with their standard errors.
-    pub amplitudes: BTreeMap<String, [f64; 2]>,
+    /// Amplitudes of the effects that were taken, together.
+    pub amplitudes: BTreeMap<String, Amplitude>,
     /// Re-tuning of the declared parameters with the effects on, in their units.
     pub retuning: BTreeMap<String, f64>,
     /// The declared parameters with the effects on: how well they are known.
@@ -103,6 +104,24 @@ pub struct Diagnosis {
     pub seed: u64,
     /// Number of draws of them.
     pub draws: usize,
+}
+
+/// The amplitude of an effect, in its unit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Amplitude {
+    /// Its estimate.
+    pub value: f64,
+    /// Its 95 % interval, inside the range that is physically possible.
+    pub interval95: [f64; 2],
+}
+
+/// Such as "0.620 (0.410 to 0.970)".
+impl fmt::Display for Amplitude {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [value, low, high] = [self.value, self.interval95[0], self.interval95[1]];
+        let [value, low, high] = [value, low, high].map(|x| significant(x, 3));
+        write!(f, "{value} ({low} to {high})")
+    }
 }
 
 /// Whether the residual holds more than noise and re-tuning.

@@ -68,8 +68,8 @@ pub use before_after::{BeforeAfter, Change, Contrast, PartErrors, Stages};
 pub use box_least_squares::least_squares_step;
 pub use diagnose::{Options, diagnose};
 pub use diagnosis::{
-    CandidateResult, CheckedModel, ConditionShare, DeclaredResult, Diagnosis, Evidence, Limit,
-    ObservableSupport, StructuredResidual, Unseen, Verdict,
+    Amplitude, CandidateResult, CheckedModel, ConditionShare, DeclaredResult, Diagnosis, Evidence,
+    Limit, ObservableSupport, StructuredResidual, Unseen, Verdict,
 };
 pub use error::Error;
 pub use ideal::{Ideal, ideal};

@@ -10,7 +10,7 @@ use quantity::significant;
 use serde::Serialize;
 
 /// Degrees of freedom that stand for a known covariance: the t quantiles are the normal ones to five digits.
-const KNOWN: f64 = 1e6;
+pub(crate) const KNOWN: f64 = 1e6;
 
 /// A model with effects, its parameters and amplitudes fitted by real runs.
 #[derive(Debug, Clone, PartialEq)]

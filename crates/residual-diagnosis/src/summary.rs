@@ -84,10 +84,7 @@ fn named(d: &Diagnosis) -> String {
         .effects
         .iter()
         .map(|name| match d.amplitudes.get(name) {
-            Some([amplitude, se]) => {
-                let (amplitude, se) = (significant(*amplitude, 4), significant(*se, 3));
-                format!("{name} ({amplitude} +- {se})")
-            }
+            Some(amplitude) => format!("{name} with amplitude {amplitude}"),
             None => name.clone(),
         })
         .collect();

@@ -48,7 +48,7 @@ pub fn answer(study: &ResidualStudy) -> Answer {
 fn headline(study: &ResidualStudy) -> String {
     let d = &study.diagnosis;
     let amplitude = |name: &String| match d.amplitudes.get(name) {
-        Some([a, se]) => format!("{name} ({})", with_error(*a, Some(*se), "")),
+        Some(amplitude) => format!("{name} with amplitude {amplitude}"),
         None => name.clone(),
     };
     let with_amplitudes = || {

@@ -175,9 +175,11 @@ def kept_error(answer):
     return value(answer["errors_before"]) + after
 
 
-def with_error(value):
-    """A number with its standard error."""
-    return f"{value[0]:.3g} +- {value[1]:.2g}"
+def with_interval(found):
+    """An amplitude with its 95 % interval; in records of version 0.1 with its standard error."""
+    if isinstance(found, list):
+        return f"{found[0]:.3g} +- {found[1]:.2g}"
+    return "{:.3g} ({:.3g} to {:.3g})".format(found["value"], *found["interval95"])
 
 
 def details(name, answer):
@@ -187,7 +189,7 @@ def details(name, answer):
     fitted = ", ".join(f"{symbol} {value:.3g}" for symbol, value in answer["fitted"].items())
     lines = [f"p {answer['p']:.2g}; without any effect {fitted}" if answer["p"] is not None else fitted]
     for model in answer["models"]:
-        amplitude = ", ".join(f"{effect} {with_error(value)}" for effect, value in model["estimates"].items())
+        amplitude = ", ".join(f"{effect} {with_interval(found)}" for effect, found in model["estimates"].items())
         tuned = ", ".join(f"{symbol} {value:.3g}" for symbol, value in model["fitted"].items())
         lines.append(f"{amplitude} with {tuned}, error at the fit {model['errors']['used']['whitened_mse']:.1f}")
     return f"- `{name}`: " + "; ".join(lines)

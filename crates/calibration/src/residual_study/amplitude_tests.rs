@@ -91,7 +91,7 @@ impl Count {
             Verdict::Unknown | Verdict::Recheck => self.unknown += 1,
             Verdict::Named if holds && d.effects.len() == 1 => {
                 self.right += 1;
-                let [low, high] = interval(study);
+                let [low, high] = d.amplitudes["bend"].interval95;
                 self.outside[0] += u32::from(amplitude > high);
                 self.outside[1] += u32::from(amplitude < low);
                 self.held += u32::from((low..=high).contains(&amplitude));
@@ -122,13 +122,6 @@ impl Count {
             self.right, self.tied, self.wrong, self.unknown, self.none, self.noise
         )
     }
-}
-
-/// The 95 % interval of the amplitude of "bend".
-fn interval(study: &ResidualStudy) -> [f64; 2] {
-    let [amplitude, se] = study.diagnosis.amplitudes["bend"];
-    let [low, high] = study.plan.effects[0].range;
-    [-1.96, 1.96].map(|z: f64| (amplitude + z * se).clamp(low, high))
 }
 
 /// Campaigns with a response, the amplitude drawn between two.

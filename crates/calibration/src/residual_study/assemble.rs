@@ -199,7 +199,7 @@ pub(super) fn root(
 /// # Formula
 ///
 /// Of a sum of a known variance a and an estimated one b with d degrees of freedom: `d ((a + b) / b)²` `[Satterthwaite1946]`.
-fn covariance_dof(
+pub(super) fn covariance_dof(
     plan: &ResidualPlan,
     observed: &Observed,
     linear: &Linearisation,
@@ -245,6 +245,31 @@ pub(super) fn share_of_run(
     let half = root.solve_lower_triangular(&of_run);
     let whole = half.and_then(|half| root.solve_lower_triangular(&half.transpose()));
     Ok(whole.map_or(0.0, |whole| whole.trace()))
+}
+
+/// Covariance of the means of the runs at the used conditions, whitened by [`root`], in so many rows: 0 behind these.
+pub(super) fn whitened_runs(
+    plan: &ResidualPlan,
+    observed: &Observed,
+    linear: &Linearisation,
+    means: &Means,
+    rows: usize,
+) -> Result<DMatrix<f64>, Error> {
+    let mut whole = DMatrix::zeros(rows, rows);
+    let mut first = 0;
+    for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used) {
+        let share = 1.0 / means.n[c] as f64;
+        let root = root(observed, linear, share, c)?;
+        let of_run = of_measured(observed, &linear.run_covariance[c], c) * share;
+        let half = root.solve_lower_triangular(&of_run);
+        let both = half.and_then(|half| root.solve_lower_triangular(&half.transpose()));
+        let n = of_run.nrows();
+        if let Some(both) = both {
+            whole.view_mut((first, first), (n, n)).copy_from(&both);
+        }
+        first += n;
+    }
+    Ok(whole)
 }
 
 /// Degrees of freedom for each observable from which on the scatter of the runs tells their covariance.

@@ -90,8 +90,6 @@ pub(super) struct Visited {
 struct Asked {
     /// Parameters and amplitudes.
     setting: Setting,
-    /// The amplitudes with their standard errors.
-    estimates: BTreeMap<String, [f64; 2]>,
     /// Standard errors of the parameters.
     fitted_se: BTreeMap<String, f64>,
 }
@@ -105,6 +103,10 @@ pub(super) struct Refitted {
     pub(super) end: Visited,
     /// What the data ask for about it.
     asked: Asked,
+    /// The points with its effects that were run, as far as they are its own.
+    pub(super) points: Vec<Visited>,
+    /// The slopes of parameters and effects about it.
+    pub(super) slopes: Linearisation,
 }
 
 impl Fits<'_> {
@@ -296,16 +298,19 @@ impl Fits<'_> {
         };
         let beside = found.and_then(|look| looks.beside.get(&look.0));
         let about = beside.unwrap_or(linear);
-        let (asked, beyond) = self.asked(about, effects, &end)?;
+        let (asked, beyond, slopes) = self.asked(about, effects, &end)?;
         let number = |name: &String| self.plan.effects.iter().position(|e| e.name == *name);
         let lone = effects.first().filter(|_| effects.len() == 1);
         let searched = lone.and_then(number).filter(|j| !linear.shares_noise(*j));
         let Some(effect) = searched else {
+            let points = beyond.into_iter().chain([end.clone()]).collect();
             let end = self.better_end(linear, end, &asked.setting)?;
             return Ok(Refitted {
                 effects: effects.to_vec(),
                 end,
                 asked,
+                points,
+                slopes,
             });
         };
         // Whoever is compared has ended where another run would gain nothing, and not where what is left may be noise.
@@ -315,23 +320,28 @@ impl Fits<'_> {
         let runs = (&mut BLOCKS_OF_ENDS.into_iter(), &mut Vec::new());
         let best = self.search(about, effect, fit, (&mut points, &end.setting), runs)?;
         let best = best.unwrap_or_else(|| end.clone());
-        let asked = if best.setting == end.setting {
-            asked
+        let (asked, slopes) = if best.setting == end.setting {
+            (asked, slopes)
         } else {
-            self.asked(about, effects, &best)?.0
+            let (asked, beyond, slopes) = self.asked(about, effects, &best)?;
+            points.extend(beyond);
+            (asked, slopes)
         };
         Ok(Refitted {
             effects: effects.to_vec(),
             end: best,
             asked,
+            points,
+            slopes,
         })
     }
 
-    /// Models that were fitted again with their runs at the kept conditions, and what they leave; a warning for each that
+    /// Models that were fitted again with their runs at the kept conditions, what they leave, and their amplitudes; a warning for each that
     /// cannot be run there.
     pub(super) fn completed(
         &self,
         linear: &Linearisation,
+        fit: &Visited,
         models: &[&Refitted],
         warnings: &mut Vec<String>,
     ) -> Result<Vec<AddedEffect>, Error> {
@@ -343,7 +353,7 @@ impl Fits<'_> {
             };
             let means = model.end.means.clone().with_kept(kept);
             added.push(AddedEffect {
-                estimates: model.asked.estimates.clone(),
+                estimates: self.amplitudes(linear, fit, model)?,
                 errors: assemble::errors(self.plan, self.observed, linear, &means)?,
                 effects: model.end.setting.effects.clone(),
                 fitted: model.end.setting.parameters.clone(),
@@ -355,8 +365,8 @@ impl Fits<'_> {
         Ok(added)
     }
 
-    /// What the data ask for about the end of a fit, by the slopes beyond it, without the amplitudes that could not be run; and
-    /// the points that were run for these slopes.
+    /// What the data ask for about the end of a fit, by the slopes beyond it; the points that were run for these slopes, and the
+    /// slopes.
     ///
     /// A fit by runs ends where what is left is noise, and not quite at the best point. What an effect does may saturate: the
     /// slope from where it is off says that an amplitude is known well which more of it would not change. So each is run at
@@ -367,7 +377,7 @@ impl Fits<'_> {
         linear: &Linearisation,
         effects: &[String],
         end: &Visited,
-    ) -> Result<(Asked, Vec<Visited>), Error> {
+    ) -> Result<(Asked, Vec<Visited>, Linearisation), Error> {
         let plan = self.plan;
         let number = |name: &String| plan.effects.iter().position(|e| e.name == *name);
         let beyond = |j: usize| {
@@ -388,12 +398,11 @@ impl Fits<'_> {
         let settings: Vec<_> = beyond.iter().map(|(_, s)| (s.clone(), end.block)).collect();
         let means = runs::means_of_each(self.worker, plan, &settings)?;
         let mut local = linear.clone();
-        let (mut known, mut visited) = (Vec::new(), Vec::new());
+        let mut visited = Vec::new();
         for ((j, setting), means) in beyond.into_iter().zip(means) {
             if let Ok(means) = means {
                 let from = (&end.setting, &end.means);
                 local = local.with_secant(plan, j, from, (&setting, &means));
-                known.push(plan.effects[j].name.clone());
                 visited.push(Visited {
                     setting,
                     means,
@@ -403,23 +412,14 @@ impl Fits<'_> {
         }
         let at = (&end.setting, &end.means);
         let errors = refit::standard_errors(plan, self.observed, &local, effects, at)?;
-        let (of_parameters, of_effects) = errors.split_at(plan.declared.len());
         let setting = refit::with_effects(plan, self.observed, &local, effects, at)?;
-        let told = effects.iter().zip(of_effects);
-        let told = told.filter(|(name, _)| known.contains(name));
-        let estimate = |(name, error): (&String, &Option<f64>)| {
-            let amplitude = setting.amplitude(name);
-            Some((name.clone(), [amplitude, (*error)?]))
-        };
-        let estimates = told.filter_map(estimate).collect();
-        let parameters = plan.declared.iter().zip(of_parameters);
+        let parameters = plan.declared.iter().zip(&errors);
         let fitted_se = parameters.filter_map(|(d, error)| Some((d.name.clone(), (*error)?)));
         let asked = Asked {
             fitted_se: fitted_se.collect(),
-            estimates,
             setting,
         };
-        Ok((asked, visited))
+        Ok((asked, visited, local))
     }
 
     /// Runs what is asked for about the end of a fit; the better of both.

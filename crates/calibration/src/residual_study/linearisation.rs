@@ -163,6 +163,11 @@ impl Linearisation {
         self.own_noise[effect] < 1.0
     }
 
+    /// Share of the noise of a run with an effect that a run of the same seed with another amplitude of it does not have.
+    pub(super) fn own_noise(&self, effect: usize) -> f64 {
+        self.own_noise[effect]
+    }
+
     /// Replaces the column of an effect by the secant from the fitted point to another one, at which the effect is on
     /// and the declared parameters may be others.
     ///

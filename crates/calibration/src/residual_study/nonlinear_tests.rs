@@ -317,19 +317,20 @@ const SATED: Formula = Formula {
     values: sated,
 };
 
-/// Of 1.2 more and more does nothing more, so that the amplitude is known to 0.2 to 0.4, and ends within 3 of these errors. By
-/// the slope from where it is off the error would be 0.05.
+/// Of 1.2 more and more does nothing more: the interval holds the truth, and is wider than by the slope from where it is off, twice
+/// 1.96 times 0.05.
 #[test]
-fn the_error_of_an_amplitude_knows_that_more_of_it_does_no_more() {
+fn the_interval_of_an_amplitude_knows_that_more_of_it_does_no_more() {
     for seed in 1..=3 {
         let plan = plan(seed);
         let truth = |rpm, fill| sated(rpm, fill, 0.7, 0.4, [1.2, 0.0]);
         let data = measured(&plan, seed, truth);
         let study = studied(&SATED, &plan, &data);
-        let [amplitude, se] = study.diagnosis.amplitudes["bend"];
-        let off = (amplitude - 1.2).abs();
-        let by_slope = study.diagnosis.candidates["bend"].se.unwrap();
-        assert!(off < 3.0 * se, "seed {seed}: {amplitude} +- {se}");
-        assert!(se > 3.0 * by_slope, "seed {seed}: {se}, {by_slope}");
+        let amplitude = study.diagnosis.amplitudes["bend"];
+        let [low, high] = amplitude.interval95;
+        let by_slope = 1.96 * study.diagnosis.candidates["bend"].se.unwrap();
+        assert!((low..=high).contains(&1.2), "seed {seed}: {amplitude:?}");
+        let wider = high - low > 2.0 * by_slope;
+        assert!(wider, "seed {seed}: {amplitude:?}, {by_slope}");
     }
 }

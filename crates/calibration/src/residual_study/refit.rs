@@ -43,8 +43,7 @@ pub(super) fn with_effects(
     Ok(setting)
 }
 
-/// Standard errors of the parameters and, behind them, of the amplitudes of some effects, fitted together by the slopes at a
-/// point; none where these do not tell them.
+/// Standard errors of the parameters, fitted together with the amplitudes of some effects by the slopes at a point; none where these do not tell them.
 ///
 /// # Formula
 ///
@@ -68,7 +67,7 @@ pub(super) fn standard_errors(
         let square = covariance.as_ref()?[(j, j)];
         (square > 0.0 && square.is_finite()).then(|| square.sqrt())
     };
-    Ok((0..at.len()).map(error).collect())
+    Ok((0..plan.declared.len()).map(error).collect())
 }
 
 /// Covariance of a fit by slopes of which so much is noise; none where even the noisy ones do not tell all unknowns.
@@ -116,17 +115,22 @@ fn unknowns(plan: &ResidualPlan, effects: &[String], point: &Setting) -> (Vec<us
         .iter()
         .filter_map(|name| plan.effects.iter().position(|e| e.name == *name));
     let taken: Vec<usize> = numbers.collect();
-    let amplitudes = taken
+    let at = values_at(plan, &taken, point);
+    (taken, at)
+}
+
+/// The parameters and the amplitudes of some effects at a point.
+pub(super) fn values_at(plan: &ResidualPlan, effects: &[usize], point: &Setting) -> Vec<f64> {
+    let amplitudes = effects
         .iter()
         .map(|&j| point.amplitude(&plan.effects[j].name));
-    let at = point.declared_values(plan).into_iter().chain(amplitudes);
-    let at = at.collect();
-    (taken, at)
+    let values = point.declared_values(plan).into_iter();
+    values.chain(amplitudes).collect()
 }
 
 /// Whitened rows of the used conditions and of the priors, and what a step from a point (parameters, then amplitudes) should
 /// make of them.
-fn linear_problem(
+pub(super) fn linear_problem(
     plan: &ResidualPlan,
     observed: &Observed,
     linear: &Linearisation,

@@ -118,7 +118,7 @@ impl Fits<'_> {
             .filter(stands)
             .filter_map(|refit| models.iter().find(|m| m.effects == refit.effects))
             .collect();
-        let added = self.completed(linear, &standing, &mut diagnosis.warnings)?;
+        let added = self.completed(linear, fit, &standing, &mut diagnosis.warnings)?;
         let all_could_be_run = could_be_run && added.len() == standing.len();
         diagnosis.amplitudes.extend(super::amplitudes_of(&added));
         Ok(Decided {

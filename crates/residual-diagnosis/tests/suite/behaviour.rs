@@ -433,20 +433,20 @@ fn two_missing_effects_are_found_together() {
     assert_eq!(d.effects, ["slip", "cohesion"]);
     // Alone, each carries part of the other; together they are the truth within three standard errors.
     for name in ["slip", "cohesion"] {
-        let [amplitude, se] = d.amplitudes[name];
-        assert!(
-            (amplitude - 1.2).abs() < 3.0 * se,
-            "{name} {amplitude} +- {se}"
-        );
-        // Four digits of the amplitude, three of its error.
-        let [a, e] = [
-            quantity::significant(amplitude, 4),
-            quantity::significant(se, 3),
-        ];
-        let told = format!("{name} ({a} +- {e})");
+        let amplitude = d.amplitudes[name];
+        let [low, high] = amplitude.interval95;
+        // 1.5 times the half of the interval.
+        let far = 0.75 * (high - low);
+        assert!((amplitude.value - 1.2).abs() < far, "{name} {amplitude}");
+        // Three digits of the amplitude and of its interval.
+        let [a, low, high] = [amplitude.value, low, high].map(|x| quantity::significant(x, 3));
+        let told = format!("{name} with amplitude {a} ({low} to {high})");
         assert!(d.summary().contains(&told), "{told} in: {}", d.summary());
         let alone = d.candidates[name].amplitude.unwrap();
-        assert!((alone - amplitude).abs() > 1e-3, "the two overlap: {alone}");
+        assert!(
+            (alone - amplitude.value).abs() > 1e-3,
+            "the two overlap: {alone}"
+        );
     }
     assert!(d.summary().contains(" are missing: "), "{}", d.summary());
 }

@@ -205,10 +205,7 @@ pub(super) fn added(study: &ResidualStudy) -> Option<String> {
     let one = |(name, amplitude): (&String, &f64)| {
         let run = format!("{name}, {} in these runs", digits(*amplitude));
         match after.estimates.get(name) {
-            Some([estimate, error]) => format!(
-                "{run} (about them the data ask for {})",
-                with_error(*estimate, Some(*error), "")
-            ),
+            Some(amplitude) => format!("{run}; by the data its amplitude is {amplitude}"),
             None => run,
         }
     };
