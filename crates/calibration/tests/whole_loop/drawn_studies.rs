@@ -635,22 +635,22 @@ fn a_stated_error_of_the_fill_is_in_the_intervals() {
 #[test]
 #[ignore = "26 000 studies take half an hour; `just drawn-studies`"]
 fn table_of_drawn_studies() {
-    table("", 1000);
+    println!("{}", table("", 1000));
 }
 
 /// The rows of the curved responses from 300 studies each.
 #[test]
 #[ignore = "2400 studies take a minute"]
 fn table_of_curved_studies() {
-    table("E", 300);
+    println!("{}", table("E", 300));
 }
 
-/// Prints the rows of the kinds whose names begin so.
-fn table(begin: &str, studies: u64) {
-    println!(
+/// The rows of the kinds whose names begin so.
+fn table(begin: &str, studies: u64) -> String {
+    let mut lines = vec![format!(
         "| {studies} studies | met | fit: cover where fixed, worst | fixed, least | median width | joint: cover where fixed, worst | fixed, least | median width | opened, worst |"
-    );
-    println!("|---|--:|--:|--:|---|--:|--:|---|--:|");
+    )];
+    lines.push("|---|--:|--:|--:|---|--:|--:|---|--:|".to_owned());
     for kind in kinds().iter().filter(|k| k.name.starts_with(begin)) {
         let summary = many(kind, studies);
         let percent = |n: f64| format!("{:.1}", 100.0 * n);
@@ -667,7 +667,7 @@ fn table(begin: &str, studies: u64) {
             each.collect::<Vec<_>>().join(" ")
         };
         let opened = summary.opened.iter().max().copied().unwrap_or(0);
-        println!(
+        lines.push(format!(
             "| {} | {} | {} | {} | {} | {} | {} | {} | {} |",
             kind.name,
             percent(summary.met as f64 / studies as f64),
@@ -678,6 +678,7 @@ fn table(begin: &str, studies: u64) {
             percent(least(&summary.joint)),
             widths(&summary.joint),
             percent(opened as f64 / studies as f64),
-        );
+        ));
     }
+    lines.join("\n")
 }
