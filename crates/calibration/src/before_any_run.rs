@@ -116,6 +116,7 @@ mod tests {
             correlations: Vec::new(),
             effects: Vec::new(),
             candidates: Vec::new(),
+            coarse_graining: None,
         }
     }
 

@@ -1,10 +1,11 @@
 //! The loop: screening, surfaces, joint estimate, box after box, fresh runs, check, residual.
 
+use crate::coarse_graining::{told, trends};
 use crate::comparison::{SurfacesByModel, compare};
 use crate::confirmation::{Confirmed, confirm, mean};
 use crate::diagnosis_stage::{self, diagnose_at, length_of};
 use crate::intervals::{Uncertainty, best_of, estimates, inputs, test};
-use crate::joint::{joint_estimate, planes, region_about, slope_runs};
+use crate::joint::{joint_estimate, planes, region_about, slope_runs, with_slopes};
 use crate::samples::{Asked, Runner, Sample, Samples, Wanted, first_seed, observables, wanted};
 use crate::screening::screen_models;
 use crate::search::Search;
@@ -17,7 +18,7 @@ use crate::{
 };
 use campaign::{Campaign, RunOutcome, RunRequest, Simulator, SimulatorError};
 use quantity::significant;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -75,9 +76,12 @@ pub fn calibrate(
     clock.expect(SURFACES, &search.planned(&stages[SURFACES])?);
     clock.begin(SURFACES);
     let found = search.run(announce)?;
+    // Nothing is made of runs with coarse grains that tell too little of real ones.
+    trends(problem, &search, &found)?;
     clock.expect(CONFIRMATION, &with_boxes_left(&stages, &search)?);
     clock.begin(CONFIRMATION);
     let confirmed = confirm(&runner, &mut search, found, announce)?;
+    let size_trends = trends(problem, &search, &confirmed.found)?;
     let estimate = Estimated::new(asked, &confirmed)?;
     clock.begin(CHECK);
     let checked = check(&runner, &confirmed, &estimate)?;
@@ -97,6 +101,7 @@ pub fn calibrate(
     let remarks = [
         search.remarks.clone(),
         confirmed.remarks.clone(),
+        told(&size_trends),
         all_failures(problem, runs),
         states(problem, &checked.at_estimate),
         other_solutions(problem, &estimate).into_iter().collect(),
@@ -118,6 +123,7 @@ pub fn calibrate(
         boxes: search.boxes,
         cost: clock.end(),
         joint: checked.joint,
+        size_trends,
         confirmations: confirmed.rounds,
         correlation: estimate.uncertainty.correlation(problem.tuned()),
         open_combinations: estimate
@@ -349,7 +355,8 @@ fn before(runner: &Runner<'_>) -> Result<BTreeMap<usize, Samples>, Error> {
     let models = 0..runner.problem.models.len();
     let list = models.flat_map(|model| {
         let seed = first_seed(runner.settings, STAGE_BEFORE, model);
-        wanted(seed, model, &vec![start.clone(); n])
+        let coarsest = runner.problem.coarsest_of(model);
+        wanted(seed, (model, coarsest), &vec![start.clone(); n])
     });
     let runs = runner.run(&list.collect::<Vec<_>>())?;
     let n_failed: usize = runs.values().map(|samples| samples.failed.len()).sum();
@@ -393,22 +400,24 @@ fn check(
     shown.retain(|k| !checks.contains(k));
     let mut list: Vec<Wanted> = Vec::new();
     for &model in checks.iter().chain(&shown) {
-        let seed = first_seed(settings, STAGE_CHECK, model);
+        let mut seed = first_seed(settings, STAGE_CHECK, model);
         let n = settings.check_runs.max(2);
-        list.extend(wanted(seed, model, &vec![found.best.clone(); n]));
+        for &factor in problem.factors_of(model) {
+            list.extend(wanted(seed, (model, factor), &vec![found.best.clone(); n]));
+            seed += n as u64;
+        }
     }
     let region = region_about(runner.asked, &found.best, &estimate.parameters);
-    let about = if settings.joint {
-        slope_runs(runner.asked, &checks, (&found.best, &region))?
-    } else {
-        Vec::new()
-    };
+    let sloped = with_slopes(runner.asked);
+    let about = slope_runs(runner.asked, &sloped, (&found.best, &region))?;
     let n_at = list.len();
     list.extend(about);
     // One list, so that no core waits; the two parts are told apart by their place.
     let all = runner.run_parts(&list, n_at)?;
     let [mut at_estimate, about] = all;
-    let planes = planes(runner.asked, &checks, &region, &about, &at_estimate);
+    let of_planes: BTreeSet<usize> = checks.iter().chain(&sloped).copied().collect();
+    let of_planes: Vec<usize> = of_planes.into_iter().collect();
+    let planes = planes(runner.asked, &of_planes, &region, &about, &at_estimate);
     for (model, samples) in &confirmed.runs {
         at_estimate.insert(*model, samples.clone());
     }

@@ -25,7 +25,8 @@ pub(crate) type SurfacesByModel = BTreeMap<usize, Surface>;
 /// a run, pooled over all runs of the model; runs of another regime than most ended up in are counted and not averaged),
 /// and for measurements that the estimate did not use the uncertainty of the
 /// parameters (g the slopes, C their covariance). It holds within Student's quantile for Satterthwaite's degrees of
-/// freedom at 5 % over the measurements of the role (Bonferroni).
+/// freedom at 5 % over the measurements of the role (Bonferroni). Runs with coarse grains are carried to the real size by the
+/// trend of the surface, whose variance joins that of the mean.
 pub(crate) fn compare(
     asked: Asked<'_>,
     role: Role,
@@ -47,12 +48,15 @@ pub(crate) fn compare(
             return None;
         }
         let surface = surfaces.get(&m.model);
+        if problem.coarsest_of(m.model) > 1.0 && !surface.is_some_and(Surface::has_trend) {
+            return None;
+        }
         let parameter_variance = covariance
             .zip(surface)
             .and_then(|(c, s)| parameter_variance(s, &m.observable, at, c));
         Some(Comparison {
             reach: surface.and_then(|s| reach(problem, s, &m.observable, at)),
-            ..comparison(asked, m, samples, surface, parameter_variance, tails)
+            ..comparison(asked, m, samples, (surface, at), parameter_variance, tails)
         })
     });
     rows.collect()
@@ -164,7 +168,7 @@ fn comparison(
     asked: Asked<'_>,
     m: &Measurement,
     samples: &Samples,
-    surface: Option<&Surface>,
+    (surface, at): (Option<&Surface>, &[f64]),
     parameter_variance: Option<f64>,
     tails: f64,
 ) -> Comparison {
@@ -172,10 +176,14 @@ fn comparison(
     let (group, _) = of_regime(&samples.done, &usual_regime(&samples.done));
     let n = group.len();
     let (variance, dof) = scatter(&group, &m.observable, surface);
+    let with_trend = surface.filter(|s| s.has_trend());
+    let carried = with_trend.and_then(|s| Some(s.carried(s.place(&m.observable)?, &group, at)));
+    let of_runs = || (mean(&group, &m.observable), 1.0 / n as f64);
+    let (simulated, share) = carried.unwrap_or_else(of_runs);
     let simulated = Simulated {
         mean: SimulatedMean {
-            mean: mean(&group, &m.observable),
-            se: (variance / n as f64).sqrt(),
+            mean: simulated,
+            se: (share * variance).sqrt(),
             n_runs: n,
         },
         dof,

@@ -147,7 +147,9 @@ fn fresh_runs(
     let n = runner.settings.confirmation_runs.max(2);
     let list = found.surfaces.iter().flat_map(|surface| {
         let seed = first_seed(runner.settings, STAGE + round as u64, surface.model);
-        wanted(seed, surface.model, &vec![found.best.clone(); n])
+        // Of the finest grains, from which the trend carries least.
+        let finest = runner.problem.finest_of(surface.model);
+        wanted(seed, (surface.model, finest), &vec![found.best.clone(); n])
     });
     let list: Vec<_> = list.collect();
     runner.run(&list)
@@ -208,7 +210,9 @@ fn compare(
             let Some(measured) = problem.measurements.iter().find(measured) else {
                 continue;
             };
-            let mut row = row(name, &pooled, (k, observable), &found.best, (means[k], n));
+            let factor = group[0].factor;
+            let at = (&found.best[..], factor);
+            let mut row = row(name, &pooled, (k, observable), at, (means[k], n));
             let difference = (row.simulated.mean - row.predicted).abs();
             row.matters = difference > IMMATERIAL * measured.variance().sqrt();
             let is_missed = met.iter().any(|m| {
@@ -217,8 +221,9 @@ fn compare(
                     && m.scene == model.scene
                     && m.condition == model.condition
             });
-            let error = measured.variance().sqrt().hypot(row.predicted_se);
-            let off = (measured.mean - row.predicted).abs();
+            let of_surface = pooled.leverage(&found.best) * pooled.covariance[(k, k)];
+            let error = (measured.variance() + of_surface).sqrt();
+            let off = (measured.mean - pooled.value(k, &found.best)).abs();
             let decides = is_missed && off <= error * normal_limit(ALPHA_OF_A_MEASUREMENT);
             rows.push(Judged { row, decides });
         }
@@ -226,19 +231,20 @@ fn compare(
     rows
 }
 
-/// One observable at the estimate: what the surface says, what the runs show.
+/// One observable at the estimate: what the surface says of grains as large as those of the runs, what the runs show.
 ///
 /// z is turned into a normal one with the same tail, so that one limit serves rows of different degrees of freedom.
 fn row(
     model: &str,
     surface: &Surface,
     (k, observable): (usize, &str),
-    at: &[f64],
+    (at, factor): (&[f64], f64),
     (mean, n): (f64, usize),
 ) -> ConfirmationRow {
     let variance = surface.covariance[(k, k)];
-    let predicted = surface.value(k, at);
-    let (of_surface, of_runs) = (surface.leverage(at) * variance, variance / n as f64);
+    let predicted = surface.value_of(k, at, factor);
+    let of_surface = surface.leverage_of(at, factor) * variance;
+    let of_runs = variance / n as f64;
     let se = (of_surface + of_runs).sqrt();
     let t = if se > 0.0 {
         (mean - predicted) / se

@@ -132,6 +132,7 @@ mod tests {
                 .collect(),
             effects: Vec::new(),
             candidates: Vec::new(),
+            coarse_graining: None,
         }
     }
 

@@ -106,6 +106,12 @@ pub enum Error {
         /// Number needed, in words.
         expected: &'static str,
     },
+    /// Runs with coarse grains that tell too little of real ones: a refusal.
+    #[error("the grains are too coarse:\n  {}", lines.join("\n  "))]
+    CoarseGraining {
+        /// Why, one line for each measurement.
+        lines: Vec<String>,
+    },
     /// A search did not end.
     #[error("the search for {what} failed: {reason}")]
     Search {

@@ -36,6 +36,17 @@ pub(crate) fn region_about(asked: Asked<'_>, at: &[f64], estimates: &[Estimate])
     Region::about(at, &half, parameters)
 }
 
+/// The models that the fit does not use and whose slopes are asked for: those of the checks if a joint estimate follows, and those with
+/// coarse grains, whose runs no slope would carry to the real size.
+pub(crate) fn with_slopes(asked: Asked<'_>) -> Vec<usize> {
+    let Asked { problem, settings } = asked;
+    let [of_fit, checks] = [Role::Fit, Role::Check].map(|role| problem.models_of(role));
+    let others = (0..problem.models.len()).filter(|k| !of_fit.contains(k));
+    let asked =
+        others.filter(|k| (settings.joint && checks.contains(k)) || problem.coarsest_of(*k) > 1.0);
+    asked.collect()
+}
+
 /// Runs about the estimate `at`, for the slopes of models that the fit did not use.
 ///
 /// # Errors
@@ -61,7 +72,8 @@ pub(crate) fn slope_runs(
         }
         points.extend(input_points(asked, model, at));
         let seed = first_seed(asked.settings, STAGE, model);
-        list.extend(wanted(seed, model, &points));
+        let coarsest = problem.coarsest_of(model);
+        list.extend(wanted(seed, (model, coarsest), &points));
     }
     Ok(list)
 }

@@ -91,8 +91,9 @@ pub(crate) fn missed(
         });
         let at_point = (!fresh.is_empty()).then(|| {
             let mean = fresh.iter().map(|s| s.values[name]).sum::<f64>() / fresh.len() as f64;
-            let share = 1.0 / fresh.len() as f64 + surface.leverage(point);
-            let missed = (mean - surface.value(k, point)).powi(2);
+            let factor = fresh[0].factor;
+            let share = 1.0 / fresh.len() as f64 + surface.leverage_of(point, factor);
+            let missed = (mean - surface.value_of(k, point, factor)).powi(2);
             (missed / share, 1.0, missed)
         });
         let in_errors = |(square, df, missed): (f64, f64, f64)| {
@@ -122,7 +123,8 @@ fn repeats<'s>(surface: &Surface, used: &[&'s Sample]) -> Vec<Vec<&'s Sample>> {
     for &sample in used {
         // Adding 0 makes -0 and 0 the same.
         let at = surface.parameters.iter();
-        let at = at.map(|&j| (sample.at[j] + 0.0).to_bits()).collect();
+        let at = at.map(|&j| (sample.at[j] + 0.0).to_bits());
+        let at = at.chain([sample.factor.to_bits()]).collect();
         groups.entry(at).or_default().push(sample);
     }
     groups.into_values().filter(|g| g.len() > 1).collect()

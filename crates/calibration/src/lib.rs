@@ -62,6 +62,7 @@
 //!     correlations: vec![],
 //!     effects: vec![],
 //!     candidates: vec![],
+//!     coarse_graining: None,
 //! };
 //! let store = Store::in_memory();
 //! let campaign = Campaign::new(&store, 1, &Silent);
@@ -75,6 +76,7 @@
 mod before_any_run;
 mod budget;
 mod calibrate;
+mod coarse_graining;
 mod comparison;
 mod confirmation;
 mod correlated;
@@ -111,8 +113,8 @@ pub use laboratory::Laboratory;
 pub use planned::{PlannedStage, RunList, planned, planned_diagnosis};
 pub use power::{PowerTable, power_of_design};
 pub use problem::{
-    CalibrationProblem, Candidate, Correlation, MOST_PARAMETERS, Measurement, Model, Parameter,
-    Prior, Role,
+    CalibrationProblem, Candidate, CoarseGraining, Correlation, MOST_PARAMETERS, Measurement,
+    Model, Parameter, Prior, Role,
 };
 pub use residual_study::{
     AddedEffect, CandidateMeasurement, DeclaredParameter, EffectProbe, ErrorPair, Observed,
@@ -121,6 +123,7 @@ pub use residual_study::{
 pub use result::{
     Calibration, Comparison, ConfirmationRound, ConfirmationRow, DiagnosisStage, Estimate, FitTest,
     InputEstimate, JointEstimate, JointPrediction, LeftOut, MeasuredMean, ModelScreening,
-    ModelSurfaces, OpenCombination, SearchBox, SimulatedMean, SolutionSet, StageCost, WithEffects,
+    ModelSurfaces, OpenCombination, SearchBox, SimulatedMean, SizeTrend, SolutionSet, StageCost,
+    WithEffects,
 };
 pub use settings::{LoopSettings, ScreeningChoice, SurfaceDesign};

@@ -1,11 +1,11 @@
 //! What a calibration will run, before it runs anything.
 
 use crate::diagnosis_stage::{lists_of_diagnosis, within_budget};
-use crate::joint::slope_runs;
+use crate::joint::{slope_runs, with_slopes};
 use crate::region::Region;
 use crate::samples::{Asked, Wanted, request, wanted};
 use crate::screening::{screened, screening_runs};
-use crate::search::design_points;
+use crate::search::design_runs;
 use crate::{CalibrationProblem, Error, LoopSettings, Role};
 use campaign::RunRequest;
 
@@ -71,15 +71,11 @@ pub fn planned(
     let other: Vec<usize> = (0..problem.models.len())
         .filter(|k| !of_fit.contains(k))
         .collect();
-    let checks: Vec<usize> = problem
-        .models_of(Role::Check)
-        .into_iter()
-        .filter(|k| !of_fit.contains(k))
-        .collect();
     let region = Region::first(&problem.parameters);
     let middle = region.middle();
     let start = problem.start();
-    let everyone: Vec<usize> = (0..problem.models.len()).collect();
+    let coarsest = |model| (model, problem.coarsest_of(model));
+    let everyone: Vec<_> = (0..problem.models.len()).map(coarsest).collect();
     let mut stages = vec![repeats(
         asked,
         "the parameters in use before",
@@ -94,8 +90,7 @@ pub fn planned(
     }
     for &model in &of_fit {
         let active = problem.tuned_of(model);
-        let points = design_points(asked, (model, &active), &region)?;
-        design.extend(wanted(0, model, &points));
+        design.extend(design_runs(asked, 0, (model, &active), &region)?);
     }
     let further = settings.most_boxes.saturating_sub(1);
     stages.push(stage(asked, "screening", &screening, 0));
@@ -103,14 +98,21 @@ pub fn planned(
     let rounds = settings.most_confirmations.saturating_sub(1);
     let n = (settings.confirmation_runs.max(2), rounds);
     let name = "confirmation by fresh runs";
-    stages.push(repeats(asked, name, &of_fit, &middle, n));
+    let finest: Vec<_> = of_fit
+        .iter()
+        .map(|&model| (model, problem.finest_of(model)))
+        .collect();
+    stages.push(repeats(asked, name, &finest, &middle, n));
     let n = (settings.check_runs.max(2), 0);
-    let mut check = repeats(asked, "check", &other, &middle, n);
-    if settings.joint {
-        let about = slope_runs(asked, &checks, (&middle, &region))?;
-        let about = about.iter().map(|w| request(problem, w));
-        check.certain[0].requests.extend(about);
-    }
+    let all_sizes = |&model: &usize| {
+        let factors = problem.factors_of(model).iter();
+        factors.map(move |factor| (model, *factor))
+    };
+    let others: Vec<_> = other.iter().flat_map(all_sizes).collect();
+    let mut check = repeats(asked, "check", &others, &middle, n);
+    let about = slope_runs(asked, &with_slopes(asked), (&middle, &region))?;
+    let about = about.iter().map(|w| request(problem, w));
+    check.certain[0].requests.extend(about);
     stages.push(check);
     let spent = stages.iter().map(PlannedStage::runs).sum();
     stages.push(planned_diagnosis(problem, settings, spent));
@@ -147,11 +149,11 @@ fn stage(asked: Asked<'_>, name: &str, list: &[Wanted], again: usize) -> Planned
     }
 }
 
-/// A stage of `n` runs of some models at a point, and the same again at others.
+/// A stage of `n` runs of some models, each with the size of its grains, at a point, and the same again at others.
 fn repeats(
     asked: Asked<'_>,
     name: &str,
-    models: &[usize],
+    models: &[(usize, f64)],
     at: &[f64],
     (n, again): (usize, usize),
 ) -> PlannedStage {

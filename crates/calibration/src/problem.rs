@@ -141,6 +141,66 @@ pub struct CalibrationProblem {
     /// What could be measured next.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub candidates: Vec<Candidate>,
+    /// Models whose runs have coarser grains than the real ones; none if all grains have their real size.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coarse_graining: Option<CoarseGraining>,
+}
+
+/// Runs of some models are made with grains that are so many times coarser than the real ones. A trend with the size, straight in the
+/// diameter, is part of each of their surfaces and carries everything to the real size, where the factor is 1.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CoarseGraining {
+    /// Numbers of the models, in rising order.
+    pub models: Vec<usize>,
+    /// Diameter of the grains over the real one, two or more different ones above 1, the coarsest first.
+    pub factors: Vec<f64>,
+    /// Largest standard error that carrying a mean from the finest grains to the real size may have, in standard errors of what
+    /// was measured.
+    pub error: f64,
+}
+
+impl CoarseGraining {
+    /// Name of the factor in [`campaign::RunRequest::parameters`].
+    pub const SYMBOL: &str = "coarse_graining";
+
+    /// Refuses factors that tell no trend.
+    fn check(&self, problem: &CalibrationProblem, wrong: &mut Vec<String>) {
+        let factors = &self.factors;
+        if let Some(factor) = factors.iter().find(|f| !(f.is_finite() && **f > 1.0)) {
+            wrong.push(format!(
+                "coarse graining: the factor {factor} must be above 1, how many times coarser than the real grains those of the runs are"
+            ));
+        } else if factors.windows(2).any(|pair| pair[0] <= pair[1]) {
+            wrong.push(format!(
+                "coarse graining: the factors {factors:?} must differ, the largest first"
+            ));
+        } else if factors.len() < 2 {
+            wrong.push(format!(
+                "coarse graining: {} factors: a trend needs two or more",
+                factors.len()
+            ));
+        }
+        if !(self.error.is_finite() && self.error > 0.0) {
+            wrong.push(format!(
+                "coarse graining: the largest error {} must be above 0, in standard errors of what was measured",
+                self.error
+            ));
+        }
+        if !problem.effects.is_empty() {
+            wrong.push(
+                "coarse graining: the diagnosis does not carry its runs to the real size: set search = [] in [effects]".into(),
+            );
+        }
+        if self.models.iter().any(|k| *k >= problem.models.len()) {
+            wrong.push("coarse graining: there is no such model".into());
+        }
+        if problem.parameters.iter().any(|p| p.symbol == Self::SYMBOL) {
+            wrong.push(format!(
+                "parameter {}: the symbol is that of the coarse graining: choose another",
+                Self::SYMBOL
+            ));
+        }
+    }
 }
 
 /// Most parameters of a calibration.
@@ -183,6 +243,24 @@ impl CalibrationProblem {
         all.filter(|&j| self.parameters[j].is_input).collect()
     }
 
+    /// How many times coarser than the real ones the grains of a model are in its runs, the coarsest first: 1 alone if they are not.
+    pub(crate) fn factors_of(&self, model: usize) -> &[f64] {
+        match &self.coarse_graining {
+            Some(coarse) if coarse.models.contains(&model) => &coarse.factors,
+            _ => &[1.0],
+        }
+    }
+
+    /// The coarsest grains of the runs of a model, over the real ones.
+    pub(crate) fn coarsest_of(&self, model: usize) -> f64 {
+        self.factors_of(model)[0]
+    }
+
+    /// The finest grains of the runs of a model, over the real ones.
+    pub(crate) fn finest_of(&self, model: usize) -> f64 {
+        self.factors_of(model).last().copied().unwrap_or(1.0)
+    }
+
     /// Numbers of the measurements of a role.
     pub fn measurements_of(&self, role: Role) -> Vec<usize> {
         let all = self.measurements.iter().enumerate();
@@ -209,6 +287,9 @@ impl CalibrationProblem {
         self.check_counts(&mut wrong);
         for parameter in &self.parameters {
             parameter.check(&mut wrong);
+        }
+        if let Some(coarse) = &self.coarse_graining {
+            coarse.check(self, &mut wrong);
         }
         for m in &self.measurements {
             let at = self.models.get(m.model).map_or("?", |model| &model.name);

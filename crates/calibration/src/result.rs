@@ -183,6 +183,30 @@ pub struct ModelScreening {
     pub dropped: Vec<String>,
 }
 
+/// How something that was measured changes with the size of the grains at the estimate.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SizeTrend {
+    /// Name of the model.
+    pub model: String,
+    /// Observable.
+    pub observable: String,
+    /// Change per real diameter.
+    pub slope: f64,
+    /// Its standard error.
+    pub slope_se: f64,
+    /// Diameter of the finest grains over the real one.
+    pub finest: f64,
+    /// Shift from these to real ones.
+    pub shift: f64,
+    /// Its standard error.
+    pub shift_se: f64,
+    /// Standard error of what was measured.
+    pub measured_se: f64,
+    /// Diameter of the finest grains over the real one up to which the error of the shift stays within what is allowed, the coarsest
+    /// as they are.
+    pub finest_allowed: f64,
+}
+
 /// A round of fresh runs at the estimate.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ConfirmationRound {
@@ -343,6 +367,9 @@ pub struct Calibration {
     pub boxes: Vec<SearchBox>,
     /// Surfaces of the last box.
     pub surfaces: Vec<ModelSurfaces>,
+    /// Trends with the size of the grains, if they are coarser than the real ones.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub size_trends: Vec<SizeTrend>,
     /// Rounds of confirmation.
     pub confirmations: Vec<ConfirmationRound>,
     /// The estimate from all measurements; none where it was not asked for, or there is no check.

@@ -1,6 +1,6 @@
 //! Points to be run, and what came of them.
 
-use crate::{CalibrationProblem, Error, LoopSettings};
+use crate::{CalibrationProblem, CoarseGraining, Error, LoopSettings};
 use campaign::{Campaign, RunRequest, Simulator};
 use run_store::Record;
 use std::collections::BTreeMap;
@@ -17,6 +17,8 @@ pub(crate) struct Wanted {
     pub(crate) model: usize,
     /// Values of all parameters of the problem.
     pub(crate) at: Vec<f64>,
+    /// Diameter of the grains over the real one.
+    pub(crate) factor: f64,
     /// Seed.
     pub(crate) seed: u64,
 }
@@ -28,6 +30,8 @@ pub(crate) struct Sample {
     pub(crate) place: usize,
     /// Values of all parameters of the problem.
     pub(crate) at: Vec<f64>,
+    /// Diameter of the grains over the real one.
+    pub(crate) factor: f64,
     /// Means of the observables by name.
     pub(crate) values: BTreeMap<String, f64>,
     /// How it ended up; empty where the simulator does not tell.
@@ -78,13 +82,18 @@ pub(crate) fn first_seed(settings: &LoopSettings, stage: u64, model: usize) -> u
     settings.seed + SEEDS_OF_STAGE * stage + SEEDS_OF_MODEL * model as u64
 }
 
-/// Runs of a model at points, each with a seed of its own.
-pub(crate) fn wanted(first_seed: u64, model: usize, points: &[Vec<f64>]) -> Vec<Wanted> {
+/// Runs of a model at points with grains of a size, each with a seed of its own.
+pub(crate) fn wanted(
+    first_seed: u64,
+    (model, factor): (usize, f64),
+    points: &[Vec<f64>],
+) -> Vec<Wanted> {
     let seeds = first_seed..;
     let each = points.iter().zip(seeds);
     each.map(|(at, seed)| Wanted {
         model,
         at: at.clone(),
+        factor,
         seed,
     })
     .collect()
@@ -94,7 +103,10 @@ pub(crate) fn wanted(first_seed: u64, model: usize, points: &[Vec<f64>]) -> Vec<
 /// has the same key whatever the other parameters are.
 pub(crate) fn request(problem: &CalibrationProblem, wanted: &Wanted) -> RunRequest {
     let model = &problem.models[wanted.model];
-    let request = RunRequest::new(&model.name, wanted.seed);
+    let mut request = RunRequest::new(&model.name, wanted.seed);
+    if wanted.factor != 1.0 {
+        request = request.with_parameter(CoarseGraining::SYMBOL, wanted.factor);
+    }
     model.parameters.iter().fold(request, |request, &j| {
         request.with_parameter(&problem.parameters[j].symbol, wanted.at[j])
     })
@@ -139,7 +151,7 @@ impl Runner<'_> {
             let samples: &mut Samples = part.entry(wanted.model).or_default();
             let names = observables(self.problem, wanted.model);
             let place = samples.done.len() + samples.failed.len();
-            match result.and_then(|record| sample((place, &wanted.at), &record, &names)) {
+            match result.and_then(|record| sample((place, wanted), &record, &names)) {
                 Ok(sample) => samples.done.push(sample),
                 Err(reason) => samples.failed.push((wanted.at.clone(), reason)),
             }
@@ -150,7 +162,7 @@ impl Runner<'_> {
 
 /// The measured observables of a record.
 fn sample(
-    (place, at): (usize, &[f64]),
+    (place, wanted): (usize, &Wanted),
     record: &Record,
     names: &[String],
 ) -> Result<Sample, String> {
@@ -167,7 +179,8 @@ fn sample(
     }
     Ok(Sample {
         place,
-        at: at.to_vec(),
+        at: wanted.at.clone(),
+        factor: wanted.factor,
         values,
         regime: record.regime().unwrap_or_default().to_owned(),
         key: record.key().to_owned(),

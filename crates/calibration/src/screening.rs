@@ -59,7 +59,8 @@ pub(crate) fn screening_runs(
         parameters,
     );
     let seed = first_seed(asked.settings, STAGE, model);
-    Ok((design, wanted(seed, model, &points)))
+    let coarsest = asked.problem.coarsest_of(model);
+    Ok((design, wanted(seed, (model, coarsest), &points)))
 }
 
 /// Screens all models that need it.

@@ -1,6 +1,6 @@
 //! The search for the estimate: surfaces in a box, and the next box where the measurements are out of reach.
 
-use crate::designs::surface_design;
+use crate::designs::{slope_design, surface_design};
 use crate::intervals::best_of;
 use crate::joint_fit::{JointFit, Minimum, Whitening};
 use crate::lack_of_fit::{Missed, missed};
@@ -32,6 +32,8 @@ const IMITATED: f64 = 1e-12;
 const WAY: [f64; 2] = [0.25, 2.0];
 /// Width of the next box over that of one whose surfaces miss their runs.
 const NEARER: f64 = 0.4;
+/// Runs with finer grains of a model that no parameter acts on.
+const FINER_AT_A_POINT: usize = 4;
 /// First stage number of the boxes; the stage sets the seeds.
 const STAGE_OF_BOXES: u64 = 10;
 
@@ -107,9 +109,8 @@ impl<'a> Search<'a> {
         let region = Region::first(&asked.problem.parameters);
         let mut requests = Vec::new();
         for (&model, active) in &self.active {
-            let points = design_points(asked, (model, active), &region)?;
-            let runs = wanted(0, model, &points).into_iter();
-            requests.extend(runs.map(|w| request(asked.problem, &w)));
+            let runs = design_runs(asked, 0, (model, active), &region)?;
+            requests.extend(runs.iter().map(|w| request(asked.problem, w)));
         }
         let left = self.most_boxes() - self.boxes.len().max(1);
         Ok(PlannedStage {
@@ -231,9 +232,13 @@ impl<'a> Search<'a> {
             if self.knows(model, active, region) {
                 continue;
             }
-            let points = design_points(self.runner.asked, (model, active), region)?;
             let seed = first_seed(self.runner.settings, STAGE_OF_BOXES + number as u64, model);
-            list.extend(wanted(seed, model, &points));
+            list.extend(design_runs(
+                self.runner.asked,
+                seed,
+                (model, active),
+                region,
+            )?);
         }
         if let Some(most) = self.runner.settings.most_runs {
             let so_far: usize = self.boxes.iter().map(|b| b.n_runs).sum();
@@ -419,14 +424,15 @@ impl<'a> Search<'a> {
     }
 
     /// The runs behind the surface of a model in a box.
-    fn used(&self, surface: &Surface, region: &Region) -> Vec<&Sample> {
+    pub(crate) fn used(&self, surface: &Surface, region: &Region) -> Vec<&Sample> {
         let samples = self.samples.get(&surface.model);
         let done = samples.map_or(&[][..], |samples| &samples.done);
         let (inside, _) = of_regime(done, self.regime(surface.model));
         near(inside, &surface.parameters, region)
     }
 
-    /// The surfaces as the result tells them: over the parameters that are tuned, from the runs with the inputs as they were stated.
+    /// The surfaces as the result tells them: over the parameters that are tuned, from the runs with the inputs as they were stated and
+    /// the coarsest grains, carried to the real size.
     pub(crate) fn told(&self, found: &Found) -> Result<Vec<ModelSurfaces>, Error> {
         let problem = self.runner.problem;
         let mut told = Vec::new();
@@ -443,6 +449,8 @@ impl<'a> Search<'a> {
             };
             let mut used = self.used(surface, &found.region);
             used.retain(stated);
+            used.retain(|s| s.factor == problem.coarsest_of(model));
+            let used: Vec<Sample> = used.into_iter().map(|s| surface.for_real_size(s)).collect();
             let own = |at: &[f64]| -> Vec<f64> { surface.tuned().iter().map(|&j| at[j]).collect() };
             let mut left_out: Vec<LeftOut> = outside
                 .iter()
@@ -500,12 +508,14 @@ impl Found {
     }
 }
 
-/// The points of the design of a model in a box, and those of its inputs; parameters that are not active at their start.
-pub(crate) fn design_points(
+/// The runs of the design of a model in a box, and those of its inputs, with the coarsest grains; parameters that are not active at
+/// their start. Of finer grains a plane is sampled, so that the trend with the size is known all over the box.
+pub(crate) fn design_runs(
     asked: Asked<'_>,
+    first_seed: u64,
     (model, active): (usize, &[usize]),
     region: &Region,
-) -> Result<Vec<Vec<f64>>, Error> {
+) -> Result<Vec<Wanted>, Error> {
     let parameters = &asked.problem.parameters;
     let symbols: Vec<String> = active
         .iter()
@@ -517,7 +527,23 @@ pub(crate) fn design_points(
     let moved = middle.iter().flat_map(|at| input_points(asked, model, at));
     let times = asked.settings.replicates.max(1);
     points.extend(moved.flat_map(|at| std::iter::repeat_n(at, times)));
-    Ok(points)
+    let factors = asked.problem.factors_of(model);
+    let mut runs = wanted(first_seed, (model, factors[0]), &points);
+    for &finer in &factors[1..] {
+        let rows = if active.is_empty() {
+            vec![Vec::new(); FINER_AT_A_POINT]
+        } else {
+            slope_design(&symbols, asked.settings.seed)?
+        };
+        let points = placed(&rows, active, region, parameters);
+        let points = points.into_iter();
+        let points: Vec<_> = points
+            .flat_map(|at| std::iter::repeat_n(at, times))
+            .collect();
+        let seed = first_seed + runs.len() as u64;
+        runs.extend(wanted(seed, (model, finer), &points));
+    }
+    Ok(runs)
 }
 
 /// Points that tell how a model depends on its inputs: `at` with one of them at each end of its range.
@@ -596,7 +622,7 @@ pub(crate) fn acts(fit: &JointFit<'_>, j: usize, at: &[f64]) -> bool {
 fn analysis(
     surface: &Surface,
     problem: &CalibrationProblem,
-    samples: &[&Sample],
+    samples: &[Sample],
     region: &Region,
     name: &str,
 ) -> Option<response_surface::Fit> {

@@ -40,6 +40,10 @@ pub(crate) struct Surface {
     pub(crate) parameters: Vec<usize>,
     /// How many of them are tuned.
     curved: usize,
+    /// Largest size of the grains over the real one, less 1, if the runs differ in it: where the trend has the coordinate 1.
+    coarsest: Option<f64>,
+    /// Whether the trend with the size differs from place to place.
+    crossed: bool,
     /// Names of the observables.
     pub(crate) observables: Vec<String>,
     /// Where its coordinates are -1 to 1.
@@ -74,7 +78,8 @@ impl Surface {
     ///
     /// Ordinary least squares over single runs: `b = (X'X)^-1 X'y`, the covariance of a run about the surface is
     /// `R'R / (n - p)`, R the residuals of all observables, with [shrunk correlations](shrunk). Along inputs it is straight; what
-    /// no run varies it does not depend on.
+    /// no run varies it does not depend on. The size of the grains is a further coordinate, 0 at the real size and 1 at the coarsest: its
+    /// own term, and the product with each tuned parameter where the runs fix these.
     pub(crate) fn fit(
         (model, tuned, inputs): (usize, &[usize], &[usize]),
         observables: &[String],
@@ -86,9 +91,14 @@ impl Surface {
         let inputs = inputs.iter().copied().filter(varied);
         let parameters: Vec<usize> = tuned.iter().copied().chain(inputs).collect();
         let curved = tuned.len();
+        let largest = samples.iter().map(|s| s.factor).fold(1.0, f64::max);
+        let is_finer = |s: &&Sample| s.factor < largest;
+        let coarsest = samples.iter().any(is_finer).then_some(largest - 1.0);
         let coded = |s: &&Sample| -> Vec<f64> {
             let each = parameters.iter();
-            each.map(|&j| region.coded(j, s.at[j])).collect()
+            let each = each.map(|&j| region.coded(j, s.at[j]));
+            each.chain(coarsest.map(|one| (s.factor - 1.0) / one))
+                .collect()
         };
         let points: Vec<Vec<f64>> = samples.iter().map(coded).collect();
         let y = DMatrix::from_fn(samples.len(), observables.len(), |i, k| {
@@ -96,8 +106,13 @@ impl Surface {
         });
         let degrees = [Degree::Quadratic, Degree::Linear, Degree::Constant];
         let allowed = degrees.into_iter().filter(|d| *d as u8 <= most as u8);
-        for degree in allowed {
-            let rows: Vec<Vec<f64>> = points.iter().map(|x| terms((degree, curved), x)).collect();
+        let allowed = allowed.flat_map(|degree| {
+            let crossed = coarsest.is_some() && degree != Degree::Constant;
+            [Some((degree, crossed)), crossed.then_some((degree, false))]
+        });
+        for (degree, crossed) in allowed.flatten() {
+            let basis = (degree, curved, crossed);
+            let rows: Vec<Vec<f64>> = points.iter().map(|x| terms(basis, x)).collect();
             let p = rows.first().map_or(1, Vec::len);
             if rows.len() <= p {
                 continue;
@@ -122,6 +137,8 @@ impl Surface {
                 model,
                 parameters,
                 curved,
+                coarsest: coarsest.filter(|_| degree != Degree::Constant),
+                crossed,
                 observables: observables.to_vec(),
                 region: region.clone(),
                 degree,
@@ -149,15 +166,27 @@ impl Surface {
         self.observables.iter().position(|o| o == observable)
     }
 
-    /// Coordinates of the parameters of the model at a point of all parameters.
-    fn coded(&self, at: &[f64]) -> Vec<f64> {
-        let each = self.parameters.iter();
-        each.map(|&j| self.region.coded(j, at[j])).collect()
+    /// Its terms.
+    fn basis(&self) -> Basis {
+        (self.degree, self.curved, self.crossed)
     }
 
-    /// Value of an observable at a point (all parameters, natural).
+    /// Coordinates of the parameters of the model at a point of all parameters, and of the size of the grains if it has a trend.
+    fn coded(&self, at: &[f64], factor: f64) -> Vec<f64> {
+        let each = self.parameters.iter();
+        let each = each.map(|&j| self.region.coded(j, at[j]));
+        each.chain(self.coarsest.map(|one| (factor - 1.0) / one))
+            .collect()
+    }
+
+    /// Value of an observable at a point (all parameters, natural), for grains of the real size.
     pub(crate) fn value(&self, k: usize, at: &[f64]) -> f64 {
-        let row = terms((self.degree, self.curved), &self.coded(at));
+        self.value_of(k, at, 1.0)
+    }
+
+    /// The same for grains that are so many times coarser.
+    pub(crate) fn value_of(&self, k: usize, at: &[f64], factor: f64) -> f64 {
+        let row = terms(self.basis(), &self.coded(at, factor));
         let polynomial: f64 = row
             .iter()
             .zip(self.coefficients.column(k).iter())
@@ -168,11 +197,11 @@ impl Surface {
 
     /// d observable / d parameter, for the parameters of the model in their order, per unit of each.
     pub(crate) fn slopes(&self, k: usize, at: &[f64]) -> Vec<f64> {
-        let coded = self.coded(at);
+        let coded = self.coded(at, 1.0);
         let column = self.coefficients.column(k);
         let each = self.parameters.iter().enumerate();
         each.map(|(place, &j)| {
-            let row = slope_of_terms((self.degree, self.curved), &coded, place);
+            let row = slope_of_terms(self.basis(), &coded, place);
             let per_half: f64 = row.iter().zip(column.iter()).map(|(x, b)| x * b).sum();
             per_half / self.region.half(j)
         })
@@ -186,9 +215,9 @@ impl Surface {
     ///
     /// `R (X'X)^-1 R'`, R the derivatives of the terms.
     pub(crate) fn slope_covariance(&self, at: &[f64]) -> DMatrix<f64> {
-        let coded = self.coded(at);
+        let coded = self.coded(at, 1.0);
         let k = self.parameters.len();
-        let rows = (0..k).map(|place| slope_of_terms((self.degree, self.curved), &coded, place));
+        let rows = (0..k).map(|place| slope_of_terms(self.basis(), &coded, place));
         let rows: Vec<_> = rows.map(DVector::from_vec).collect();
         let half = |place: usize| self.region.half(self.parameters[place]);
         DMatrix::from_fn(k, k, |a, b| {
@@ -242,13 +271,69 @@ impl Surface {
         }
     }
 
+    /// Whether it knows how its observables change with the size of the grains.
+    pub(crate) fn has_trend(&self) -> bool {
+        self.coarsest.is_some()
+    }
+
+    /// How an observable changes with the size of the grains at a point, per real diameter, and the variance of that over that of a
+    /// run; none if no run tells.
+    pub(crate) fn trend(&self, k: usize, at: &[f64]) -> Option<(f64, f64)> {
+        let one = self.coarsest?;
+        let row = slope_of_terms(self.basis(), &self.coded(at, 1.0), self.parameters.len());
+        let row = DVector::from_vec(row);
+        let slope = row.dot(&self.coefficients.column(k)) / one;
+        Some((slope, quadratic_form(&self.inverse, &row) / (one * one)))
+    }
+
+    /// Whether a trend that is straight misses the runs behind the surface: by how much a term in the square of the size would
+    /// change the value for real grains at a point, and the chance that noise alone makes so much of it. None if the runs have
+    /// fewer than three sizes.
+    ///
+    /// # Formula
+    ///
+    /// With w the square of the coordinate, `u = w - X (X'X)^-1 X'w` and e the residuals, `c = u'e / u'u` is its coefficient; `c² u'u`
+    /// is compared with the residual variance that is left by `F(1, n - p - 1)` `[Myers2016, chapter 2]`. The value at x changes by
+    /// `-c x'(X'X)^-1 X'w`.
+    pub(crate) fn bend(&self, k: usize, used: &[&Sample], at: &[f64]) -> Option<(f64, f64)> {
+        let one = self.coarsest?;
+        let n = used.len();
+        let rows: Vec<Vec<f64>> = used
+            .iter()
+            .map(|s| terms(self.basis(), &self.coded(&s.at, s.factor)))
+            .collect();
+        let x = DMatrix::from_fn(n, self.inverse.nrows(), |i, t| rows[i][t]);
+        let w = DVector::from_fn(n, |i, _| ((used[i].factor - 1.0) / one).powi(2));
+        let name = &self.observables[k];
+        let y = DVector::from_fn(n, |i, _| used[i].values[name]);
+        let e = y - &x * self.coefficients.column(k);
+        let followed = &self.inverse * x.tr_mul(&w);
+        let u = &w - &x * &followed;
+        let dof = n as f64 - self.inverse.nrows() as f64 - 1.0;
+        if u.norm_squared() <= SINGULAR * w.norm_squared() || dof <= 0.0 {
+            return None;
+        }
+        let c = u.dot(&e) / u.norm_squared();
+        let of_bend = c * c * u.norm_squared();
+        let left = (e.norm_squared() - of_bend) / dof;
+        let row = DVector::from_vec(terms(self.basis(), &self.coded(at, 1.0)));
+        // Runs without any scatter leave no doubt.
+        let p = probability::f_upper_tail(of_bend / left, 1.0, dof).unwrap_or(0.0);
+        Some((-c * row.dot(&followed), p))
+    }
+
     /// Variance of the surface at a point over that of one run.
     ///
     /// # Formula
     ///
     /// `x'(X'X)^-1 x`; with n fresh runs `1/n + (x - x0)'(X'X)^-1 (x - x0)`, x0 the mean of their terms.
     pub(crate) fn leverage(&self, at: &[f64]) -> f64 {
-        let row = DVector::from_vec(terms((self.degree, self.curved), &self.coded(at)));
+        self.leverage_of(at, 1.0)
+    }
+
+    /// The same for grains that are so many times coarser than the real ones.
+    pub(crate) fn leverage_of(&self, at: &[f64], factor: f64) -> f64 {
+        let row = DVector::from_vec(terms(self.basis(), &self.coded(at, factor)));
         match &self.anchor {
             None => quadratic_form(&self.inverse, &row),
             Some(anchor) => quadratic_form(&self.inverse, &(row - &anchor.terms)) + 1.0 / anchor.n,
@@ -268,11 +353,11 @@ impl Surface {
         let mean_over = |of: &dyn Fn(&Sample) -> f64| fresh.iter().map(|s| of(s)).sum::<f64>() / n;
         let names = self.observables.iter().enumerate();
         let shift = names
-            .map(|(k, name)| mean_over(&|s| s.values[name] - shifted.value(k, &s.at)))
+            .map(|(k, name)| mean_over(&|s| s.values[name] - shifted.value_of(k, &s.at, s.factor)))
             .collect();
         let rows = fresh
             .iter()
-            .map(|s| terms((self.degree, self.curved), &self.coded(&s.at)));
+            .map(|s| terms(self.basis(), &self.coded(&s.at, s.factor)));
         let sum = rows.map(DVector::from_vec).reduce(|sum, row| sum + row);
         shifted.anchor = sum.map(|sum| Anchor {
             terms: sum / n,
@@ -280,6 +365,29 @@ impl Surface {
             n,
         });
         shifted
+    }
+
+    /// Mean of an observable over runs, carried to a point and to grains of the real size, and its variance over that of a run.
+    /// Runs that the polynomial was made of are in it already.
+    pub(crate) fn carried(&self, k: usize, group: &[&Sample], at: &[f64]) -> (f64, f64) {
+        if self.anchor.is_none() && self.knows_scatter_of(group) {
+            return (self.value(k, at), self.leverage(at));
+        }
+        let through = self.anchored(group);
+        (through.value(k, at), through.leverage(at))
+    }
+
+    /// A run as the trend carries it to grains of the real size.
+    pub(crate) fn for_real_size(&self, sample: &Sample) -> Sample {
+        let mut carried = sample.clone();
+        for (k, name) in self.observables.iter().enumerate() {
+            if let (Some((slope, _)), Some(value)) =
+                (self.trend(k, &sample.at), carried.values.get_mut(name))
+            {
+                *value -= slope * (sample.factor - 1.0);
+            }
+        }
+        carried
     }
 
     /// Whether the scatter of runs is in the covariance already.
@@ -355,11 +463,19 @@ fn shrunk(products: &DMatrix<f64>, degrees_of_freedom: f64) -> (DMatrix<f64>, f6
     (covariance, share)
 }
 
-/// Terms of a polynomial at a coded point: 1, each x, then each product of two of the first `curved`, squares included.
-fn terms((degree, curved): (Degree, usize), x: &[f64]) -> Vec<f64> {
+/// Terms of a polynomial: its degree, how many coordinates are curved, and whether the last one, the size of the grains, is multiplied
+/// by each of these.
+type Basis = (Degree, usize, bool);
+
+/// Terms of a polynomial at a coded point: 1, each x, the products of the size, then each product of two of the first `curved`, squares
+/// included.
+fn terms((degree, curved, crossed): Basis, x: &[f64]) -> Vec<f64> {
     let mut row = vec![1.0];
     if degree != Degree::Constant {
         row.extend(x);
+    }
+    if let (true, Some(size)) = (crossed, x.last()) {
+        row.extend(x[..curved].iter().map(|a| a * size));
     }
     if degree == Degree::Quadratic {
         let x = &x[..curved];
@@ -371,11 +487,15 @@ fn terms((degree, curved): (Degree, usize), x: &[f64]) -> Vec<f64> {
 }
 
 /// Derivatives of the terms along coordinate `place`.
-fn slope_of_terms((degree, curved): (Degree, usize), x: &[f64], place: usize) -> Vec<f64> {
+fn slope_of_terms((degree, curved, crossed): Basis, x: &[f64], place: usize) -> Vec<f64> {
     let is = |i: usize| if i == place { 1.0 } else { 0.0 };
     let mut row = vec![0.0];
     if degree != Degree::Constant {
         row.extend((0..x.len()).map(is));
+    }
+    if crossed {
+        let last = x.len() - 1;
+        row.extend((0..curved).map(|i| is(i) * x[last] + is(last) * x[i]));
     }
     if degree == Degree::Quadratic {
         for i in 0..curved {
@@ -458,6 +578,7 @@ mod tests {
         Sample {
             place: 0,
             at: vec![a, b],
+            factor: 1.0,
             values: BTreeMap::from([("y".to_owned(), 1.0 + a * a - 0.1 * a * b + noise)]),
             regime: String::new(),
             key: format!("{a} {b} {noise}"),

@@ -1,6 +1,7 @@
 //! The whole loop on simulators in closed form, where every answer is known by hand.
 
 mod whole_loop {
+    mod coarse_graining;
     mod coverage;
     mod drawn_studies;
     mod estimates;

@@ -36,6 +36,8 @@ pub struct SceneSimulator {
     bindings: BTreeMap<String, Binding>,
     /// Symbols of parameters that are amplitudes of effects, with the effect.
     amplitudes: BTreeMap<String, String>,
+    /// Symbol of the parameter by which seeds are coarser than those of the scene.
+    coarse_graining: Option<String>,
     /// SHA-256 of each file of a shape, in lower-case hexadecimal.
     meshes: BTreeMap<PathBuf, String>,
     /// Bodies made so far.
@@ -102,6 +104,7 @@ impl SceneSimulator {
             models,
             bindings,
             amplitudes: BTreeMap::new(),
+            coarse_graining: None,
             meshes,
             fillings: FillingLibrary::default(),
             moved: Mutex::default(),
@@ -115,6 +118,13 @@ impl SceneSimulator {
     #[must_use]
     pub fn with_amplitudes(mut self, amplitudes: BTreeMap<String, String>) -> Self {
         self.amplitudes = amplitudes;
+        self
+    }
+
+    /// Takes a parameter for the diameter of the seeds over that of the scene: they are coarser, and so many fewer that their mass stays.
+    #[must_use]
+    pub fn with_coarse_graining(mut self, symbol: &str) -> Self {
+        self.coarse_graining = Some(symbol.to_owned());
         self
     }
 
@@ -171,7 +181,22 @@ impl SceneSimulator {
             effect_library::apply(&mut scene, name, *amplitude, &self.fillings)
                 .map_err(SimulatorError::other)?;
         }
+        if let Some(factor) = self.factor(request) {
+            if !(factor.is_finite() && factor > 0.0) {
+                return Err(refused(format!(
+                    "seeds cannot be {factor} times as large as those of the scene"
+                )));
+            }
+            scene.coarsen_seeds(factor);
+            scene.check().map_err(SimulatorError::other)?;
+        }
         Ok(scene)
+    }
+
+    /// How many times as large as in the scene the seeds of a request are, if it says so.
+    fn factor(&self, request: &RunRequest) -> Option<f64> {
+        let symbol = self.coarse_graining.as_ref()?;
+        request.parameters.get(symbol).copied()
     }
 
     /// The scene of a request without what its run does not depend on: what is run, and what the key is made of.
@@ -195,7 +220,10 @@ impl SceneSimulator {
     ) -> Result<Vec<NumberChange>, SimulatorError> {
         let mut all: Vec<NumberChange> = Vec::new();
         let all_of_request = request.parameters.iter();
-        for (symbol, value) in all_of_request.filter(|(s, _)| !self.amplitudes.contains_key(*s)) {
+        let of_settings = |(symbol, _): &(&String, &f64)| {
+            !self.amplitudes.contains_key(*symbol) && self.coarse_graining.as_ref() != Some(*symbol)
+        };
+        for (symbol, value) in all_of_request.filter(of_settings) {
             let binding = self.bindings.get(symbol).ok_or_else(|| {
                 refused(format!(
                     "no parameter '{symbol}'; there are {}",
@@ -298,7 +326,9 @@ impl Simulator for SceneSimulator {
 
     fn expected_cost(&self, request: &RunRequest) -> f64 {
         let scene = self.scene_as_run(request);
-        scene.map_or(1.0, |scene| expected_cost(&scene))
+        // Coarser seeds take fewer steps too: the stable one grows with the diameter.
+        let factor = self.factor(request).unwrap_or(1.0);
+        scene.map_or(1.0, |scene| expected_cost(&scene) / factor)
     }
 }
 

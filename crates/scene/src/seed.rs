@@ -448,6 +448,25 @@ impl Scene {
         }
     }
 
+    /// Makes the seeds `factor` times as large: of the same shape and density, and so many fewer that the mass of each kind stays, to half
+    /// a seed.
+    pub fn coarsen_seeds(&mut self, factor: f64) {
+        self.fix_seeds();
+        for kind in &mut self.seed {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "positive, and a cast saturates"
+            )]
+            let count = (kind.count.unwrap_or(1) as f64 / factor.powi(3)).round() as usize;
+            kind.set_count(count.max(1));
+            kind.scale = Some(kind.scale.unwrap_or(1.0) * factor);
+            if let Ok(mass) = Mass::from_si(kind.mass_kg() * factor.powi(3)) {
+                kind.set_mass(mass);
+            }
+        }
+    }
+
     /// Writes down the defaults of the seeds and the volumes of the shapes in files; those of `known` seeds are taken over.
     ///
     /// # Errors

@@ -175,6 +175,7 @@ fn problem() -> CalibrationProblem {
         correlations: Vec::new(),
         effects: Vec::new(),
         candidates: Vec::new(),
+        coarse_graining: None,
     }
 }
 
@@ -337,6 +338,7 @@ fn calibration(problem: &CalibrationProblem) -> Calibration {
             search_box("moved", 0.2),
         ],
         surfaces: surfaces(),
+        size_trends: Vec::new(),
         confirmations: vec![confirmation()],
         joint: Some(joint()),
         diagnosis: DiagnosisStage::LeftOut {

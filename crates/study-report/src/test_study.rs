@@ -135,6 +135,7 @@ fn problem() -> CalibrationProblem {
         correlations: Vec::new(),
         effects: Vec::new(),
         candidates: Vec::new(),
+        coarse_graining: None,
     }
 }
 

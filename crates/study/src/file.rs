@@ -2,11 +2,14 @@
 
 mod candidate;
 mod choices;
+mod coarse_graining;
 mod input;
 mod parts;
 mod photo;
 mod simulator;
 
+pub use coarse_graining::CoarseGrainingEntry;
+pub(crate) use coarse_graining::USUAL_ERROR;
 pub(crate) use simulator::usable_name;
 pub use simulator::{CommandEntry, EffectEntry, PeerEntry, SimulatorEntry};
 
@@ -249,6 +252,9 @@ pub struct StudyFile {
     pub scenes: Vec<SceneEntry>,
     /// Parameters, and behind them the inputs that have an error.
     pub parameters: Vec<ParameterEntry>,
+    /// Scenes whose grains are coarser in the runs than the real ones; none if all have their real size.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coarse_graining: Option<CoarseGrainingEntry>,
     /// Measurements.
     pub measured: Vec<MeasuredEntry>,
     /// What could be measured next; suggested by the measurements where absent.
@@ -334,6 +340,7 @@ impl StudyFile {
             runner: runner(&root, problems),
             effects,
             parameters,
+            coarse_graining: coarse_graining::coarse_graining(&root, problems),
             measured,
             candidates,
             choices: choices::choices(&root, of_command, problems),

@@ -1,7 +1,7 @@
 //! Every key of the study file.
 
 /// Keys of the file itself.
-pub(crate) const STUDY: [&str; 14] = [
+pub(crate) const STUDY: [&str; 15] = [
     "name",
     "simulator",
     "runner",
@@ -9,6 +9,7 @@ pub(crate) const STUDY: [&str; 14] = [
     "scene",
     "parameter",
     "input",
+    "coarse_graining",
     "measured",
     "candidate",
     "compare",
@@ -70,6 +71,8 @@ pub(crate) const INPUT: [&str; 8] = [
 ];
 /// Keys of `[[input]]` of a program of the user.
 pub(crate) const INPUT_COMMAND: [&str; 5] = ["symbol", "name", "unit", "mean", "sd"];
+/// Keys of `[coarse_graining]`.
+pub(crate) const COARSE_GRAINING: [&str; 3] = ["scenes", "factors", "error"];
 /// Keys of `prior`.
 pub(crate) const PRIOR: [&str; 2] = ["mean", "sd"];
 /// Keys of `[[measured]]` beside the names of observables.
@@ -154,6 +157,7 @@ pub fn keys_of_a_study() -> Vec<(&'static str, &'static [&'static str])> {
         ("parameter", &PARAMETER),
         ("input", &INPUT),
         ("command input", &INPUT_COMMAND),
+        ("coarse graining", &COARSE_GRAINING),
         ("prior", &PRIOR),
         ("measured", &MEASURED),
         ("candidate", &CANDIDATE),

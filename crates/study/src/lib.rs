@@ -45,9 +45,9 @@ pub use defaults::DefaultUsed;
 pub use design_table::{DesignChoices, DesignPlan, DesignRun, DesignTable};
 pub use error::Error;
 pub use file::{
-    Budget, CandidateEntry, Choices, CommandEntry, CompareEntry, EffectEntry, MeasuredCorrelation,
-    MeasuredEntry, MeasuredValue, ParameterEntry, PeerEntry, PhotoOptions, SceneEntry,
-    SimulatorEntry, StudyFile,
+    Budget, CandidateEntry, Choices, CoarseGrainingEntry, CommandEntry, CompareEntry, EffectEntry,
+    MeasuredCorrelation, MeasuredEntry, MeasuredValue, ParameterEntry, PeerEntry, PhotoOptions,
+    SceneEntry, SimulatorEntry, StudyFile,
 };
 pub use hand_over::{parameter_file, write_hand_over, write_json, write_result};
 pub use init::{Starter, StarterFile};

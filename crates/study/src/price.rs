@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::file::Budget;
-use calibration::{PlannedStage, RunList};
+use calibration::{CoarseGraining, PlannedStage, RunList};
 use campaign::{RunRequest, Simulator};
 use run_store::{Lookup, Record, Store};
 use scene_simulator::{RunDetails, SECONDS_PER_COST, TimingDetails};
@@ -23,11 +23,27 @@ pub struct StagePrice {
     pub further_core_s: f64,
 }
 
+/// What a run costs with grains of one size.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SizePrice {
+    /// Diameter of the grains over the real one.
+    pub factor: f64,
+    /// Certain runs with them.
+    pub runs: usize,
+    /// Mean time of one core of such a run, s.
+    pub core_s: f64,
+    /// That of the same runs with real grains, s.
+    pub real_core_s: f64,
+}
+
 /// What a study would cost. The times are those of runs: the statistics between them, the report and the decks come on top.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Price {
     /// By stage.
     pub stages: Vec<StagePrice>,
+    /// By the size of the grains, the finest first; empty if all have their real size.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sizes: Vec<SizePrice>,
     /// Certain runs of all stages.
     pub runs: usize,
     /// Further runs of all stages, at most.
@@ -91,6 +107,7 @@ pub(crate) fn of(
     let core_s = stages.iter().fold(0.0, |sum, s| sum + s.core_s);
     let further_core_s = stages.iter().fold(0.0, |sum, s| sum + s.further_core_s);
     Ok(Price {
+        sizes: by_size(certain(), |request| pace * cost(request)),
         measured: known_cost > 0.0,
         most_runs: most_runs(budget, runs, guess_s),
         stages,
@@ -100,6 +117,39 @@ pub(crate) fn of(
         further_core_s,
         cannot_be_met: None,
     })
+}
+
+/// What runs with coarse grains cost, size by size.
+fn by_size<'r>(
+    requests: impl Iterator<Item = &'r RunRequest>,
+    seconds: impl Fn(&RunRequest) -> f64,
+) -> Vec<SizePrice> {
+    let mut sizes: Vec<SizePrice> = Vec::new();
+    for request in requests {
+        let Some(&factor) = request.parameters.get(CoarseGraining::SYMBOL) else {
+            continue;
+        };
+        let mut real = request.clone();
+        real.parameters.remove(CoarseGraining::SYMBOL);
+        let place = sizes.iter().position(|size| size.factor == factor);
+        let place = place.unwrap_or_else(|| {
+            sizes.push(SizePrice {
+                factor,
+                runs: 0,
+                core_s: 0.0,
+                real_core_s: 0.0,
+            });
+            sizes.len() - 1
+        });
+        let size = &mut sizes[place];
+        size.runs += 1;
+        // Running means.
+        let share = 1.0 / size.runs as f64;
+        size.core_s += share * (seconds(request) - size.core_s);
+        size.real_core_s += share * (seconds(&real) - size.real_core_s);
+    }
+    sizes.sort_by(|a, b| a.factor.total_cmp(&b.factor));
+    sizes
 }
 
 /// The runs of lists, each as often as its list.

@@ -8,6 +8,7 @@ use crate::document::{Document, below};
 use crate::effects::{Searched, search};
 use crate::file::{
     Budget, Choices, CommandEntry, CompareEntry, ParameterEntry, SimulatorEntry, StudyFile,
+    USUAL_ERROR,
 };
 use crate::measured::Resolved;
 use crate::parameters::{Resolver, check_all, tables};
@@ -16,7 +17,9 @@ use crate::problem::{Problem, Problems};
 use crate::scenes::{Models, Scenes};
 use crate::simulator::StudySimulator;
 use crate::{Error, inputs, plausible};
-use calibration::{CalibrationProblem, Candidate, EffectProbe, LoopSettings, Parameter};
+use calibration::{
+    CalibrationProblem, Candidate, CoarseGraining, EffectProbe, LoopSettings, Model, Parameter,
+};
 use external_simulator::{
     CommandModel, CommandSettings, CommandSimulator, PeerSettings, PeerSimulator,
 };
@@ -154,7 +157,9 @@ impl Study {
                 };
                 let parameters = self.file.parameters.iter().map(|p| p.symbol.clone());
                 let effects = self.file.effects.iter().map(|e| e.name.clone());
-                let names: Vec<String> = parameters.chain(effects).collect();
+                let coarse = self.problem.coarse_graining.iter();
+                let coarse = coarse.map(|_| CoarseGraining::SYMBOL.to_owned());
+                let names: Vec<String> = parameters.chain(effects).chain(coarse).collect();
                 let models = self.command_models.clone();
                 let command = CommandSimulator::new(settings, models, &names)?;
                 Ok(StudySimulator::Command(command))
@@ -183,7 +188,10 @@ impl Study {
             .iter()
             .filter(|p| !p.sets.is_empty());
         let bindings = of_settings.map(binding).collect();
-        let scenes = SceneSimulator::new(self.models.clone(), bindings)?;
+        let mut scenes = SceneSimulator::new(self.models.clone(), bindings)?;
+        if self.problem.coarse_graining.is_some() {
+            scenes = scenes.with_coarse_graining(CoarseGraining::SYMBOL);
+        }
         Ok(scenes.with_amplitudes(amplitudes.collect()))
     }
 }
@@ -244,6 +252,26 @@ fn bind(models: &mut Models, file: &StudyFile) {
         let of_model = all.filter_map(|(j, p)| models.depends_on(k, p).then_some(j));
         models.models[k].parameters = of_model.collect();
     }
+}
+
+/// The coarse graining of the models of its scenes; an error that the file leaves out is told.
+fn coarse_graining(
+    file: &StudyFile,
+    models: &[Model],
+    defaults: &mut Defaults,
+) -> Option<CoarseGraining> {
+    let entry = file.coarse_graining.as_ref()?;
+    let is_coarse = |k: &usize| entry.scenes.contains(&models[*k].scene);
+    let error = entry.error.unwrap_or_else(|| {
+        let why = "what the size adds to an error is at most that of the measurement";
+        defaults.tell("coarse_graining: error", &USUAL_ERROR.to_string(), why);
+        USUAL_ERROR
+    });
+    Some(CoarseGraining {
+        models: (0..models.len()).filter(is_coarse).collect(),
+        factors: entry.factors.clone(),
+        error,
+    })
 }
 
 /// A file that is being checked.
@@ -313,6 +341,10 @@ impl Checker<'_> {
             ..
         } = resolved;
         bind(&mut models, file);
+        let coarse_graining = coarse_graining(file, &models.models, &mut defaults);
+        if measured_well {
+            self.check_coarse(&models, &scenes, coarse_graining.as_ref());
+        }
         let by_model = scenes_by_model(&[&models, &offered]);
         let problem = CalibrationProblem {
             id: file.name.clone(),
@@ -322,6 +354,7 @@ impl Checker<'_> {
             correlations,
             effects: probes,
             candidates,
+            coarse_graining,
         };
         if measured_well {
             self.check_compare(&choices, &problem);
@@ -350,7 +383,7 @@ impl Checker<'_> {
             entry,
             folder: self.folder,
         };
-        let resolved = checker.resolve(&mut self.problems);
+        let mut resolved = checker.resolve(&mut self.problems);
         checker.check_effects(&choices, &mut self.problems);
         let mut defaults = Defaults::default();
         let resolver = Resolver {
@@ -367,6 +400,12 @@ impl Checker<'_> {
             .map(|entry| resolver.resolve(entry, &mut defaults, &mut self.problems))
             .collect();
         let settings = Self::settings(&choices, &mut defaults);
+        let coarse_graining = coarse_graining(file, &resolved.models, &mut defaults);
+        for &model in coarse_graining.iter().flat_map(|coarse| &coarse.models) {
+            if let Some(run) = resolved.runs.get_mut(&resolved.models[model].name) {
+                run.parameters.push(CoarseGraining::SYMBOL.to_owned());
+            }
+        }
         let problem = CalibrationProblem {
             id: file.name.clone(),
             parameters,
@@ -375,6 +414,7 @@ impl Checker<'_> {
             correlations: resolved.correlations,
             effects: probes(file, choices.effects.as_deref()),
             candidates: resolved.candidates,
+            coarse_graining,
         };
         self.check_compare(&choices, &problem);
         self.check_whole(&problem);
@@ -464,6 +504,50 @@ impl Checker<'_> {
         LoopSettings {
             most_runs: budget.runs,
             ..settings
+        }
+    }
+
+    /// Refuses scenes of single seeds, and sizes with which a measured scene cannot be built.
+    fn check_coarse(
+        &mut self,
+        models: &Models,
+        scenes: &Scenes<'_>,
+        coarse: Option<&CoarseGraining>,
+    ) {
+        let (Some(coarse), Some(entry)) = (coarse, &self.file.coarse_graining) else {
+            return;
+        };
+        for &model in &coarse.models {
+            let name = &models.models[model].name;
+            let mut refuse = |key: &str, problem: String| {
+                let at = below(&entry.path, key);
+                let what = format!("[coarse_graining]: {key}:");
+                let document = self.document;
+                self.problems.add(document.problem(&at, what, problem));
+            };
+            if models.scenes[model].apparatus.is_bench_test() {
+                refuse(
+                    "scenes",
+                    format!(
+                        "{name} is a test of single seeds, which no coarser ones stand for: leave it out"
+                    ),
+                );
+                continue;
+            }
+            for factor in &coarse.factors {
+                let mut scene = models.scenes[model].clone();
+                scene.coarsen_seeds(*factor);
+                let built = scene.check();
+                let built = built.and_then(|()| scene.build_check(&scenes.fillings));
+                if let Err(error) = built {
+                    refuse(
+                        "factors",
+                        format!(
+                            "{factor} is where {name} cannot be built: {error}; take finer grains"
+                        ),
+                    );
+                }
+            }
         }
     }
 

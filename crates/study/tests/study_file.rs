@@ -1,6 +1,7 @@
 //! The study file: what it gives, and everything that it refuses before any run.
 
 mod study_file {
+    mod coarse_graining;
     pub(crate) mod correlated;
     pub(crate) mod example;
     pub(crate) mod fixtures;

@@ -116,6 +116,13 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
         common.log(|| format!("== {stage}"));
     };
     let done = run_study(&study, &simulator, &settings, &announce);
+    if let Err(study::Error::Calibration(refused @ calibration::Error::CoarseGraining { .. })) =
+        &done
+    {
+        progress.end(watched::FINISHED);
+        common.print(&format!("refused: {refused}"))?;
+        return Ok(NOT_MET);
+    }
     let mut result = match stop.result(done)? {
         Ok(result) => result,
         Err(code) => return Ok(code),

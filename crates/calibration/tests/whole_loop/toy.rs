@@ -121,6 +121,7 @@ pub(crate) fn problem(
         correlations: Vec::new(),
         effects: Vec::new(),
         candidates: Vec::new(),
+        coarse_graining: None,
     }
 }
 

@@ -387,3 +387,24 @@ fn a_run_that_diverges_is_tried_again_with_half_the_step() {
     let first: f64 = behind.split(' ').next().unwrap().parse().unwrap();
     assert_eq!(first / step, f64::from(1_u32 << retried.len()));
 }
+
+/// A drum of 56 seeds, each 1.5 times as large, is one of 17: the bed of the request, and its key.
+#[test]
+fn coarser_seeds_are_a_parameter_of_a_request() {
+    let models = BTreeMap::from([("drum".to_owned(), small_drum())]);
+    let simulator = SceneSimulator::new(models, bindings()).unwrap();
+    let simulator = simulator.with_coarse_graining("coarser");
+    let of = |factor| RunRequest::new("drum", 1).with_parameter("coarser", factor);
+    let coarse = simulator.scene_of(&of(1.5)).unwrap();
+    // 50 / 1.5³ = 14.8 and 6 / 1.5³ = 1.8.
+    assert_eq!(coarse.seed_count(), 17);
+    assert_eq!(coarse.seed[0].scale, Some(1.5));
+    assert_ne!(
+        simulator.inputs(&of(1.5)).unwrap(),
+        simulator.inputs(&RunRequest::new("drum", 1)).unwrap()
+    );
+    for factor in [0.0, f64::NAN] {
+        let refused = simulator.scene_of(&of(factor)).unwrap_err().to_string();
+        assert!(refused.contains("times as large"), "{refused}");
+    }
+}

@@ -527,3 +527,20 @@ fn the_number_of_seeds_follows_from_the_apparatus_after_all_changes() {
     let steel = sled.with(&set(&[("apparatus.plate", "steel")])).unwrap();
     assert_eq!(steel.reduced().contact.len(), 1);
 }
+
+/// Spheres 2.5 times as large: 1000 / 2.5³ = 64 of 15.625 times the mass and the same density, so that the mass of the bed stays; of 70
+/// some 4.48 are left, which is 4.
+#[test]
+fn coarser_seeds_are_fewer_by_the_cube_of_their_size() {
+    for (count, expected) in [(1000, 64), (70, 4)] {
+        let seed = format!("sphere = \"2 mm\"\ndensity = \"1250 kg/m3\"\ncount = {count}");
+        let real = read(&seed).unwrap();
+        let mut coarse = real.clone();
+        coarse.coarsen_seeds(2.5);
+        coarse.check().unwrap();
+        assert_eq!(coarse.seed_count(), expected);
+        let [a, b] = [&real, &coarse].map(|scene| body(scene).clump.clone());
+        assert!((b.mass() / a.mass() / 15.625 - 1.0).abs() < 1e-12);
+        assert!((b.spheres()[0].radius / a.spheres()[0].radius - 2.5).abs() < 1e-12);
+    }
+}

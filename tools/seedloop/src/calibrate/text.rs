@@ -129,6 +129,17 @@ fn priced(text: &mut String, price: &Price, threads: usize) {
             "  {wall} on {threads} threads, by what is found; reading, statistics, report and decks come on top\n"
         ),
     );
+    for size in &price.sizes {
+        let [time, real] = [size.core_s, size.real_core_s].map(time_in_words);
+        let factor = significant(size.factor, 4);
+        add(
+            text,
+            format_args!(
+                "  grains {factor} times as large as real ones: {} runs of {time}, {real} with real ones\n",
+                size.runs
+            ),
+        );
+    }
     if !price.measured {
         text.push_str("  (times are a guess until the first runs are done)\n");
     }

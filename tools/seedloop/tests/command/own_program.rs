@@ -198,3 +198,62 @@ fn what_is_wrong_is_told() {
     }
     assert!(!folder.path().join("out").exists(), "nothing was run");
 }
+
+/// Beds and heaps of grains three and two times as large stand 2 deg steeper for each real diameter: the estimates are those of real
+/// grains, within three of their standard errors. Sizes that tell too little are refused before any fresh run, with the size that
+/// would do.
+#[test]
+fn coarse_grains_are_carried_to_the_real_size() {
+    let folder = tempfile::tempdir().unwrap();
+    example(folder.path(), "", "");
+    let program = folder.path().join("mill/run.py");
+    let text_of = fs::read_to_string(&program).unwrap();
+    let steeper = r#"steeper = 2 * (float(values.get("coarse_graining", 1)) - 1)
+if values["scene"] == "drum":
+    results["angle_deg"]["mean"] += steeper
+else:
+    results["heap_deg"] += steeper
+
+with open("#;
+    fs::write(&program, text_of.replacen("with open(", steeper, 1)).unwrap();
+    let path = folder.path().join("study.toml");
+    let study = fs::read_to_string(&path).unwrap();
+    let with = |factors: &str, error: &str| {
+        let more = format!(
+            "\n[effects]\nsearch = []\n[coarse_graining]\nscenes = [\"drum\", \"heap\"]\nfactors = {factors}\nerror = {error}\n"
+        );
+        fs::write(&path, format!("{study}{more}")).unwrap();
+    };
+    with("[3.0, 2.0]", "3.0");
+    let output = seedloop(
+        folder.path(),
+        &["calibrate", "study.toml", "--out", "out", "--quiet"],
+    );
+    assert_code(&output, 0);
+    let result = fs::read(folder.path().join("out/result.json")).unwrap();
+    let result: Value = serde_json::from_slice(&result).unwrap();
+    for (k, truth) in [0.45, 0.12].into_iter().enumerate() {
+        let found = &result["parameters"][k];
+        let [value, se] = ["value", "se"].map(|key| found[key].as_f64().unwrap());
+        assert!((value - truth).abs() < 3.0 * se, "{value} +- {se}");
+    }
+    let trend = &result["size_trends"][0];
+    let [slope, se] = ["slope", "slope_se"].map(|key| trend[key].as_f64().unwrap());
+    assert!((slope - 2.0).abs() < 4.0 * se, "{slope} +- {se}");
+    with("[3.0, 2.8]", "0.2");
+    let refused = seedloop(
+        folder.path(),
+        &["calibrate", "study.toml", "--out", "refused", "--quiet"],
+    );
+    assert_code(&refused, 1);
+    let said = text(&refused.stdout);
+    assert!(
+        said.contains("refused: the grains are too coarse"),
+        "{said}"
+    );
+    assert!(
+        said.contains("times as large as real ones or finer"),
+        "{said}"
+    );
+    assert!(!folder.path().join("refused/parameters.toml").exists());
+}
