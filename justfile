@@ -349,6 +349,12 @@ pretests FOLDER="out/pretests" RUNS="3":
 bed-motion FOLDER="out/bed-motion" RUNS="4":
     cargo run --release --locked -p study --example bed_motion -- {{FOLDER}} {{RUNS}}
 
+# RUNS runs at each of three sizes and two speeds (half an hour for 2). Finished runs in FOLDER are found again.
+# Show what larger spheres in place of the real ones do to the drum of microcrystalline cellulose.
+[group('studies of the bed')]
+sphere-size FOLDER="out/sphere-size" RUNS="2":
+    cargo run --release --locked -p study --example sphere_size -- {{FOLDER}} {{RUNS}}
+
 # RUNS runs at each of five fillings (a quarter of an hour for 4). Finished runs in FOLDER are found again.
 # Show the angle at the bench measurements against the roughness of the filling, down to smooth seeds.
 [group('studies of the bed')]

@@ -24,6 +24,7 @@ fn the_studies_of_the_repository_read_as_they_are() {
         "cotton/blind.toml",
         "cotton/published.toml",
         "mcc/study.toml",
+        "mcc/real-size.toml",
         "water-beads/dry.toml",
         "water-beads/wet-1.toml",
         "water-beads/wet-3.toml",
