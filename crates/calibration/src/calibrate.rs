@@ -8,7 +8,7 @@ use crate::intervals::{Uncertainty, best_of, estimates, inputs, test};
 use crate::joint::{joint_estimate, planes, region_about, slope_runs, with_slopes};
 use crate::samples::{Asked, Runner, Sample, Samples, Wanted, first_seed, observables, wanted};
 use crate::screening::screen_models;
-use crate::search::Search;
+use crate::search::{Found, Search};
 use crate::solution_set::solution_set;
 use crate::verdict::verdict;
 use crate::with_effects::judged_with;
@@ -29,8 +29,6 @@ const STAGE_CHECK: u64 = 60;
 
 /// Standard deviations by which an input may move without a remark.
 const FAR: f64 = 2.0;
-/// All roles, in the order in which measurements are told.
-const ROLES: [Role; 3] = [Role::Fit, Role::Check, Role::Show];
 /// Place of the screening in the plan.
 const SCREENING: usize = 1;
 /// Place of the surfaces.
@@ -75,9 +73,7 @@ pub fn calibrate(
     let mut search = Search::new(runner, screened.active, elsewhere);
     clock.expect(SURFACES, &search.planned(&stages[SURFACES])?);
     clock.begin(SURFACES);
-    let found = search.run(announce)?;
-    // Nothing is made of runs with coarse grains that tell too little of real ones.
-    trends(problem, &search, &found)?;
+    let found = found(problem, &mut search, announce)?;
     clock.expect(CONFIRMATION, &with_boxes_left(&stages, &search)?);
     clock.begin(CONFIRMATION);
     let confirmed = confirm(&runner, &mut search, found, announce)?;
@@ -87,12 +83,12 @@ pub fn calibrate(
     let checked = check(&runner, &confirmed, &estimate)?;
     clock.begin(DIAGNOSIS);
     let at = &confirmed.found.best;
-    let again = (confirmed.rounds.len() - 1) * stages[CONFIRMATION].runs();
-    let spent = elsewhere + again + search.boxes.iter().map(|b| b.n_runs).sum::<usize>();
+    let spent = elsewhere + spent(&search, &confirmed, &stages[CONFIRMATION]);
     let diagnosis = diagnosis_left(campaign, &counted, problem, settings, (at, spent))?;
     let surfaces = all_surfaces(&confirmed, &checked.planes);
     let row =
         |role, runs, covariance, at: &[f64]| compare(asked, role, runs, &surfaces, covariance, at);
+    let start = problem.start();
     let covariance = Some(&estimate.uncertainty.covariance);
     let fit = row(Role::Fit, &confirmed.runs, None, at);
     let checks = row(Role::Check, &checked.at_estimate, covariance, at);
@@ -114,10 +110,7 @@ pub fn calibrate(
     Ok(Calibration {
         id: problem.id.clone(),
         settings: settings.clone(),
-        before: ROLES
-            .iter()
-            .flat_map(|role| row(*role, &before, None, &problem.start()))
-            .collect::<Vec<Comparison>>(),
+        before: of_all_roles(&|role| row(role, &before, None, &start)),
         show,
         surfaces: search.told(&confirmed.found)?,
         boxes: search.boxes,
@@ -142,6 +135,29 @@ pub fn calibrate(
         met,
         verdict,
     })
+}
+
+/// What the search finds; nothing is made of runs with coarse grains that tell too little of real ones.
+fn found(
+    problem: &CalibrationProblem,
+    search: &mut Search<'_>,
+    announce: &dyn Fn(&str),
+) -> Result<Found, Error> {
+    let found = search.run(announce)?;
+    trends(problem, search, &found)?;
+    Ok(found)
+}
+
+/// The measurements of all roles, one role behind the other.
+fn of_all_roles(rows: &dyn Fn(Role) -> Vec<Comparison>) -> Vec<Comparison> {
+    let roles = [Role::Fit, Role::Check, Role::Show];
+    roles.into_iter().flat_map(rows).collect()
+}
+
+/// Runs of the boxes and of the rounds of confirmation behind the first.
+fn spent(search: &Search<'_>, confirmed: &Confirmed, round: &PlannedStage) -> usize {
+    let of_boxes: usize = search.boxes.iter().map(|b| b.n_runs).sum();
+    of_boxes + (confirmed.rounds.len() - 1) * round.runs()
 }
 
 /// Inputs that have to move by more than twice their error, so that the measurements are met.

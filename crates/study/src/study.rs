@@ -341,10 +341,7 @@ impl Checker<'_> {
             ..
         } = resolved;
         bind(&mut models, file);
-        let coarse_graining = coarse_graining(file, &models.models, &mut defaults);
-        if measured_well {
-            self.check_coarse(&models, &scenes, coarse_graining.as_ref());
-        }
+        let coarse_graining = self.coarse_graining(&models, &scenes, &mut defaults);
         let by_model = scenes_by_model(&[&models, &offered]);
         let problem = CalibrationProblem {
             id: file.name.clone(),
@@ -507,16 +504,15 @@ impl Checker<'_> {
         }
     }
 
-    /// Refuses scenes of single seeds, and sizes with which a measured scene cannot be built.
-    fn check_coarse(
+    /// The coarse graining of the scenes here; refuses scenes of single seeds, and sizes with which a measured scene cannot be built.
+    fn coarse_graining(
         &mut self,
         models: &Models,
         scenes: &Scenes<'_>,
-        coarse: Option<&CoarseGraining>,
-    ) {
-        let (Some(coarse), Some(entry)) = (coarse, &self.file.coarse_graining) else {
-            return;
-        };
+        defaults: &mut Defaults,
+    ) -> Option<CoarseGraining> {
+        let entry = self.file.coarse_graining.as_ref()?;
+        let coarse = coarse_graining(self.file, &models.models, defaults)?;
         for &model in &coarse.models {
             let name = &models.models[model].name;
             let mut refuse = |key: &str, problem: String| {
@@ -549,6 +545,7 @@ impl Checker<'_> {
                 }
             }
         }
+        Some(coarse)
     }
 
     /// Refuses published values of results that are not there.

@@ -1,6 +1,6 @@
 //! `[coarse_graining]`: what it gives, and what it refuses.
 
-use super::folder::{Folder, STUDY};
+use super::folder::{Folder, STUDY, wrong};
 use super::refused::tells;
 use campaign::Simulator as _;
 use study::Study;
@@ -12,8 +12,7 @@ fn peas(table: &str) -> String {
 
 /// The message of a table that is wrong.
 fn refused(table: &str) -> String {
-    let error = Folder::new(&peas(table)).read(None).unwrap_err();
-    error.to_string()
+    wrong(&peas(table))
 }
 
 /// Both conditions of the drum have coarse grains and the sled does not; sizes are told from the coarsest on. Runs with coarser grains cost
