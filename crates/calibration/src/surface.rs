@@ -236,18 +236,20 @@ impl Surface {
     /// cube for terms of the quadratic that these imitate: c changes the slope by `3 x² - r'A`, r the derivatives of the terms and A
     /// the alias matrix `[Myers2016, chapter 9]`.
     pub(crate) fn hidden_slopes(&self, k: usize, at: &[f64]) -> Vec<f64> {
-        let coded = self.coded(at);
+        let coded = self.coded(at, 1.0);
         let coefficient = self.coefficients.column(k);
         let n = self.parameters.len();
         let mut variances = vec![0.0; n];
         for (j, alias) in self.aliases.column_iter().enumerate() {
-            // Behind 1 and each x come the products, those of lower coordinates first.
-            let square = 1 + n + (0..j).map(|i| self.curved - i).sum::<usize>();
+            // Behind 1, each x and its products with the size come those of two x, those of lower coordinates first.
+            let crossed = if self.crossed { self.curved } else { 0 };
+            let before = (0..j).map(|i| self.curved - i).sum::<usize>();
+            let square = 1 + coded.len() + crossed + before;
             let (b1, b2) = (coefficient[1 + j], coefficient[square]);
             let noise = self.inverse[(square, square)] * self.covariance[(k, k)];
             let seen = (b2 * b2 - noise).max(0.0);
             let ratio = if b2.abs() < b1.abs() { b2 / b1 } else { 1.0 };
-            let row = DVector::from_vec(slope_of_terms((self.degree, self.curved), &coded, j));
+            let row = DVector::from_vec(slope_of_terms(self.basis(), &coded, j));
             let slope =
                 (3.0 * coded[j].powi(2) - row.dot(&alias)) / self.region.half(self.parameters[j]);
             variances[j] = seen * (ratio * slope).powi(2);
@@ -626,6 +628,7 @@ mod tests {
     fn a_steep_bend_may_hide_a_cube() {
         let at = |x: f64, y: f64| Sample {
             place: 0,
+            factor: 1.0,
             at: vec![1.0 + x, 20.0],
             values: BTreeMap::from([("y".to_owned(), y)]),
             regime: String::new(),
