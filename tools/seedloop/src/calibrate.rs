@@ -120,7 +120,7 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
         &done
     {
         progress.end(watched::FINISHED);
-        common.print(&format!("refused: {refused}"))?;
+        common.print(format!("refused: {refused}"))?;
         return Ok(NOT_MET);
     }
     let mut result = match stop.result(done)? {
