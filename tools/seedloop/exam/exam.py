@@ -146,8 +146,6 @@ def mark(right, answer):
         return "right" if right == "none" else "missed"
     if right not in names:
         return "**wrong name**"
-    if verdict == "partial":
-        return "right in part"
     return "right" if len(names) <= 2 else f"open: a tie of {len(names)}"
 
 
@@ -183,15 +181,13 @@ def with_interval(found):
 
 
 def details(name, answer):
-    """Parameters and amplitudes of the models behind an answer."""
+    """The chance of the residual, and the amplitudes of the models behind an answer."""
     if answer["verdict"] is None:
         return f"- `{name}`: {answer['reason']}"
-    fitted = ", ".join(f"{symbol} {value:.3g}" for symbol, value in answer["fitted"].items())
-    lines = [f"p {answer['p']:.2g}; without any effect {fitted}" if answer["p"] is not None else fitted]
+    lines = [f"p {answer['p']:.2g}"] if answer["p"] is not None else []
     for model in answer["models"]:
         amplitude = ", ".join(f"{effect} {with_interval(found)}" for effect, found in model["estimates"].items())
-        tuned = ", ".join(f"{symbol} {value:.3g}" for symbol, value in model["fitted"].items())
-        lines.append(f"{amplitude} with {tuned}, error at the fit {model['errors']['used']['whitened_mse']:.1f}")
+        lines.append(f"{amplitude}, error at the fit {model['errors']['used']['whitened_mse']:.1f}")
     return f"- `{name}`: " + "; ".join(lines)
 
 
