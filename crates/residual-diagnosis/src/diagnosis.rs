@@ -115,14 +115,15 @@ pub struct Amplitude {
     pub interval95: [f64; 2],
 }
 
-/// Such as "0.620 (0.410 to 0.970)"; the data may ask for more than is possible, and nothing below the end of the range will do.
+/// Such as "0.620 (0.410 to 0.970)". An interval without width is none: the data ask for more than is possible, or for another response,
+/// and no amplitude passes the test.
 impl fmt::Display for Amplitude {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [value, low, high] = [self.value, self.interval95[0], self.interval95[1]];
-        let is_at_end = low >= high;
+        let is_none = low >= high;
         let [value, low, high] = [value, low, high].map(|x| significant(x, 3));
-        if is_at_end {
-            return write!(f, "{value}, the end of its range");
+        if is_none {
+            return write!(f, "{value} (no amplitude passes at 95 %)");
         }
         write!(f, "{value} ({low} to {high})")
     }

@@ -177,7 +177,10 @@ def with_interval(found):
     """An amplitude with its 95 % interval; in records of version 0.1 with its standard error."""
     if isinstance(found, list):
         return f"{found[0]:.3g} +- {found[1]:.2g}"
-    return "{:.3g} ({:.3g} to {:.3g})".format(found["value"], *found["interval95"])
+    low, high = found["interval95"]
+    if low >= high:
+        return f"{found['value']:.3g} (no amplitude passes at 95 %)"
+    return f"{found['value']:.3g} ({low:.3g} to {high:.3g})"
 
 
 def details(name, answer):

@@ -93,6 +93,17 @@ pub(crate) fn diagnosed(file: ProblemFile) -> residual_diagnosis::Diagnosis {
     diagnose(&problem, &OPTIONS).expect("its covariances can be factorised")
 }
 
+/// An interval without width, where no amplitude passes the test, is not printed as one that knows the amplitude to all digits.
+#[test]
+fn an_interval_without_width_is_none() {
+    let said = |interval95| {
+        let value = 0.173;
+        residual_diagnosis::Amplitude { value, interval95 }.to_string()
+    };
+    assert_eq!(said([0.11, 0.2]), "0.173 (0.110 to 0.200)");
+    assert_eq!(said([0.173, 0.173]), "0.173 (no amplitude passes at 95 %)");
+}
+
 /// 400 campaigns of each truth: a rate of 0.05 is met within three standard errors, 0.033. A hidden
 /// effect of 7 standard errors is lost to the naming rules in few cases, and wrongly replaced by
 /// another in hardly any (bound by the rule: 0.05 of the namings). An effect that the library lacks
