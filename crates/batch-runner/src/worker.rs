@@ -1,7 +1,7 @@
 //! Doing the runs of a task, on the machine that the batch system chose.
 
+use campaign::run_store::{Lookup, Record, Store};
 use campaign::{Campaign, Pace, Progress, Simulator};
-use run_store::{Lookup, Record, Store};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 

@@ -7,9 +7,9 @@ mod fake_slurm;
 mod simulator;
 
 use batch_runner::{BatchSettings, CommandLines};
+use campaign::run_store::{Record, Store};
 use campaign::{Campaign, Error, RunRequest, Silent};
 use fake_slurm::{FakeSlurm, stand_in, until};
-use run_store::{Record, Store};
 use simulator::{StandIn, requests};
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};

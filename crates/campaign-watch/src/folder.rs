@@ -2,8 +2,8 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use campaign::run_store::{FolderView, Observation, Record, read_record, record_path};
 use campaign::{CampaignState, PlannedList, RunRequest};
-use run_store::{FolderView, Observation, Record, read_record, record_path};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, UNIX_EPOCH};

@@ -2,11 +2,11 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use campaign::run_store::{Observation, Store};
 use campaign::{
     Campaign, CampaignPlan, MeasuredMean, ParameterName, ProgressFolder, RunOutcome, RunRequest,
     Silent, Simulator, SimulatorError, StagePlan,
 };
-use run_store::{Observation, Store};
 use serde_json::json;
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;

@@ -2,8 +2,8 @@
 
 use crate::test_campaign::{Served, pixel, plan, run, told};
 use crate::{CampaignFolder, Error};
+use campaign::run_store::{Attempt, CLAIM_LIFE, Store, record_path};
 use campaign::{CampaignState, PlannedList, ProgressFolder, Silent};
-use run_store::{Attempt, CLAIM_LIFE, Store, record_path};
 use serde_json::json;
 use std::fs;
 use std::io::{Read as _, Write as _};

@@ -6,8 +6,8 @@
 
 #![expect(clippy::print_stdout, reason = "the result is the purpose")]
 
+use campaign::run_store::{Observation, Store};
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
-use run_store::{Observation, Store};
 use std::error::Error;
 use std::path::Path;
 use std::time::Instant;

@@ -1,6 +1,6 @@
 //! What the workers of a campaign share.
 
-use run_store::Record;
+use crate::run_store::Record;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -56,7 +56,7 @@ pub(crate) enum Failure {
     /// The simulator gave none.
     Simulator(SimulatorError),
     /// The store did not take it.
-    Store(run_store::Error),
+    Store(crate::run_store::Error),
 }
 
 impl Elsewhere {

@@ -1,6 +1,6 @@
 //! The claims of a campaign: one for each run in progress, all kept alive by one thread.
 
-use run_store::{Attempt, Claim, Holder, Store};
+use crate::run_store::{Attempt, Claim, Holder, Store};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;

@@ -47,7 +47,7 @@ pub enum Error {
         /// The request.
         request: Box<RunRequest>,
         /// The store's reason.
-        source: run_store::Error,
+        source: crate::run_store::Error,
     },
     /// The runs could not be done elsewhere.
     #[error("the runs cannot go on; finished runs are stored and will be reused")]

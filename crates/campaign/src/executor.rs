@@ -1,6 +1,6 @@
 //! Runs that are done elsewhere than on the threads of this process.
 
-use run_store::Store;
+use crate::run_store::Store;
 
 use crate::{RunRequest, SimulatorError};
 

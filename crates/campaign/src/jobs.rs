@@ -1,6 +1,6 @@
 //! From requests to runs: which of them stand for the same run, and which are refused.
 
-use run_store::Record;
+use crate::run_store::Record;
 use std::collections::BTreeMap;
 
 use crate::{Error, PendingRun, RunRequest, Simulator, SimulatorError};
@@ -36,7 +36,7 @@ impl Job {
     }
 
     /// Names the request in an error of the store.
-    pub(crate) fn store_error(&self, source: run_store::Error) -> Error {
+    pub(crate) fn store_error(&self, source: crate::run_store::Error) -> Error {
         Error::Store {
             request: Box::new(self.request.clone()),
             source,

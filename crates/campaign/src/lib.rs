@@ -1,13 +1,13 @@
 //! The simulator seen from outside, and lists of its runs done in parallel, once each.
 //!
 //! A [`Simulator`] turns a [`RunRequest`] into observables. A [`Campaign`] takes a list of
-//! requests, finds those that a [`run_store::Store`] has already, does the rest on several
+//! requests, finds those that a [`crate::run_store::Store`] has already, does the rest on several
 //! threads, and stores each as soon as it is finished. Lists that belong to one loop share a [`Pace`] with what
 //! lies ahead of them, so that the time left is that of the whole loop.
 //!
 //! ```
 //! use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
-//! use run_store::{Observation, Store};
+//! use campaign::run_store::{Observation, Store};
 //!
 //! struct Doubler;
 //! impl Simulator for Doubler {
@@ -50,6 +50,7 @@ mod progress;
 mod progress_folder;
 mod records;
 mod request;
+pub mod run_store;
 mod runner;
 mod simulator;
 mod time_left;

@@ -212,7 +212,10 @@ impl<'a> ProgressFolder<'a> {
     /// Writes a file, whole or not at all; after a loss of power the next one replaces it.
     fn write(&self, name: &str, content: &impl Serialize) -> std::io::Result<()> {
         fs::create_dir_all(&self.folder)?;
-        run_store::write_whole_unsynced(&self.folder.join(name), &serde_json::to_vec(content)?)
+        crate::run_store::write_whole_unsynced(
+            &self.folder.join(name),
+            &serde_json::to_vec(content)?,
+        )
     }
 }
 

@@ -1,6 +1,6 @@
 //! What the store has of a campaign already.
 
-use run_store::{Lookup, Record};
+use crate::run_store::{Lookup, Record};
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::board::{Board, Failure};
@@ -16,7 +16,7 @@ impl Campaign<'_> {
         &self,
         job: &Job,
         warn: &dyn Fn(&str),
-    ) -> Result<Option<Record>, run_store::Error> {
+    ) -> Result<Option<Record>, crate::run_store::Error> {
         for _ in 0..LOOKS {
             let (path, reason) = match self.store.get(job.blank.key())? {
                 Lookup::Found(record) => return Ok(Some(record)),

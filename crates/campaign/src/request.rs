@@ -1,6 +1,6 @@
 //! What a run is asked for, and what it gives.
 
-use run_store::Observation;
+use crate::run_store::Observation;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;

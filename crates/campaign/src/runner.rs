@@ -1,6 +1,6 @@
 //! Doing a list of runs, once each, on several threads.
 
-use run_store::{CLAIM_LIFE, Record, Store};
+use crate::run_store::{CLAIM_LIFE, Record, Store};
 use std::fmt;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, PoisonError};

@@ -1,6 +1,6 @@
 //! The threads of a campaign: each takes the next run that nobody does.
 
-use run_store::{Holder, Record};
+use crate::run_store::{Holder, Record};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Mutex;
 use std::sync::atomic::Ordering;
@@ -34,7 +34,7 @@ enum Outcome {
     /// It was run, in so many seconds.
     Ran(Result<Record, Failure>, f64),
     /// The store could not be read.
-    Unreadable(run_store::Error),
+    Unreadable(crate::run_store::Error),
 }
 
 /// What all workers of a list look at.

@@ -1,10 +1,10 @@
 //! Campaigns over toy simulators.
 
+use campaign::run_store::{Observation, Store};
 use campaign::{
     Campaign, Error, LineProgress, Pace, Progress, ProgressState, RunOutcome, RunRequest, Silent,
     Simulator, SimulatorError,
 };
-use run_store::{Observation, Store};
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
@@ -315,7 +315,10 @@ fn the_regime_of_a_run_is_in_its_record() {
         let records = campaign
             .run_all(&Toy::default(), &requests(&[1.0, 6.0]))
             .unwrap();
-        let regimes: Vec<_> = records.iter().map(run_store::Record::regime).collect();
+        let regimes: Vec<_> = records
+            .iter()
+            .map(campaign::run_store::Record::regime)
+            .collect();
         assert_eq!(regimes, [Some("rolling"), Some("sliding")]);
     }
 }

@@ -1,11 +1,11 @@
 //! Runs that are done elsewhere than on the threads of the campaign.
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
+use campaign::run_store::{Observation, Store};
 use campaign::{
     Campaign, Error, Executor, ExecutorError, PendingRun, RunEvent, RunOutcome, RunRequest, Silent,
     Simulator, SimulatorError,
 };
-use run_store::{Observation, Store};
 use std::sync::Mutex;
 
 /// y = 2 x; x = 13 fails.

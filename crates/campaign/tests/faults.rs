@@ -1,7 +1,7 @@
 //! Every operation of the disk goes wrong once: no record is lost, none is wrong, and the next call ends with the same results.
 
+use campaign::run_store::{Disk, Fault, Lookup, Observation, Record, Store};
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
-use run_store::{Disk, Fault, Lookup, Observation, Record, Store};
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;

@@ -4,8 +4,8 @@
 #![cfg(target_os = "linux")]
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
+use campaign::run_store::{Observation, Store};
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
-use run_store::{Observation, Store};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -101,7 +101,7 @@ fn run(folder: &Path, endless: Option<u64>) -> Vec<f64> {
     let records = Campaign::new(&store, THREADS, &Silent)
         .run_all(&simulator, &list)
         .unwrap();
-    let y = |record: &run_store::Record| record.observable("y").unwrap().mean;
+    let y = |record: &campaign::run_store::Record| record.observable("y").unwrap().mean;
     records.iter().map(y).collect()
 }
 

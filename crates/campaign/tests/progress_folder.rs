@@ -2,11 +2,11 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
+use campaign::run_store::{Observation, Store};
 use campaign::{
     Campaign, CampaignPlan, CampaignState, PlannedList, Progress, ProgressFolder, ProgressState,
     RunOutcome, RunRequest, Silent, Simulator, SimulatorError, StagePlan,
 };
-use run_store::{Observation, Store};
 use std::fs;
 use std::path::Path;
 use std::sync::Mutex;

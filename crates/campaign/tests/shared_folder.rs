@@ -1,11 +1,11 @@
 //! Campaigns that share a folder share the runs.
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
+use campaign::run_store::{Attempt, Observation, Store};
 use campaign::{
     Campaign, Error, Progress, ProgressState, RunOutcome, RunRequest, Silent, Simulator,
     SimulatorError,
 };
-use run_store::{Attempt, Observation, Store};
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -73,7 +73,7 @@ fn requests(n: u64, x: f64) -> Vec<RunRequest> {
 
 /// The key of a request.
 fn key(request: &RunRequest) -> String {
-    run_store::run_key("toy 1", &request.inputs(), request.seed).unwrap()
+    campaign::run_store::run_key("toy 1", &request.inputs(), request.seed).unwrap()
 }
 
 /// Names of all files that are no records.
@@ -191,7 +191,7 @@ fn waiting_ends_with_the_stop_flag() {
 /// Puts a record into the store at the last moment: after a worker has looked for it in vain, before it claims the run.
 struct LastMoment {
     store: Store,
-    record: run_store::Record,
+    record: campaign::run_store::Record,
 }
 
 impl Progress for LastMoment {

@@ -48,7 +48,7 @@ impl Header {
 /// A file that cannot be read.
 pub fn file_sha256(path: &Path) -> anyhow::Result<String> {
     let cannot_read = || format!("cannot read {}", path.display());
-    let mut file = input_file::open(path).with_context(cannot_read)?;
+    let mut file = input::file::open(path).with_context(cannot_read)?;
     let mut hash = Sha256::new();
     let mut buffer = vec![0; 1 << 16];
     loop {

@@ -35,6 +35,7 @@ mod common;
 mod exit;
 mod generate;
 mod header;
+pub mod table_file;
 mod words;
 mod write;
 
@@ -42,5 +43,5 @@ pub use common::Common;
 pub use exit::{DONE, ERROR, NOT_MET, finish};
 pub use generate::parse;
 pub use header::{Header, file_sha256};
-pub use quantity::significant;
+pub use input::quantity::significant;
 pub use write::{Overwrite, try_folder, try_new, write_new};

@@ -223,7 +223,7 @@ mod tests {
     use super::BodyGrid;
     use fearless_simd::Level;
     use nalgebra::Vector3;
-    use random_stream::Stream;
+    use probability::random_stream::Stream;
 
     /// All pairs within a margin of 0.02.
     fn pairs(

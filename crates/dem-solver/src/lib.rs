@@ -1,10 +1,10 @@
 //! Contact search, force loop and time integration of rigid agglomerates.
 //!
-//! A [`World`] holds bodies (copies of a few [`clump::Clump`] templates), analytic walls, walls of
+//! A [`World`] holds bodies (copies of a few [`geometry::clump::Clump`] templates), analytic walls, walls of
 //! triangles and the contact laws between them, and moves them step by step.
 //!
 //! ```
-//! use clump::Clump;
+//! use geometry::clump::Clump;
 //! use contact_law::{Material, NormalForceEnd, PairParameters};
 //! use dem_solver::{
 //!     DashpotMass, Interaction, InteractionSettings, Placement, Settings, Template, World,

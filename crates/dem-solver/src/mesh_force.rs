@@ -16,9 +16,9 @@ use crate::mesh_wall::{MeshWall, Motion, Moving};
 use crate::shared_mass::{Shares, Turned};
 use crate::template::{OuterSphere, Template};
 use contact_law::ContactGeometry;
+use geometry::triangle::nearest_on_triangle;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
-use triangle::nearest_on_triangle;
 
 /// Two nearest points closer than this share of the reach of a sphere are one.
 const SAME_POINT: f64 = 1e-6;

@@ -4,9 +4,9 @@
 //! a point that moves along, and a vibration. The forces of the bodies do not change it.
 
 use crate::error::Error;
+use geometry::triangle::nearest_on_triangle;
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
-use triangle::nearest_on_triangle;
 
 /// A wall made of triangles.
 #[derive(Debug, Clone, PartialEq)]

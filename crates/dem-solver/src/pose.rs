@@ -113,7 +113,7 @@ mod tests {
     use crate::template::{OuterSphere, Packed};
     use fearless_simd::{Level, dispatch};
     use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-    use random_stream::Stream;
+    use probability::random_stream::Stream;
 
     const RADIUS: f64 = 0.45e-3;
 

@@ -130,7 +130,7 @@ impl<'a, const N: usize> Shares<'a, N> {
 mod tests {
     use super::{Shares, Touch, Turned};
     use crate::template::{DashpotMass, Template};
-    use clump::{Clump, MassProperties, Sphere};
+    use geometry::clump::{Clump, MassProperties, Sphere};
     use nalgebra::{Matrix3, Rotation3, Vector3};
 
     const MASS: f64 = 2e-5;

@@ -1,7 +1,7 @@
 //! A body type, prepared for the contact search.
 
 use crate::lanes::{LANES, Lanes};
-use clump::Clump;
+use geometry::clump::Clump;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -294,7 +294,7 @@ mod tests {
     use super::{DashpotMass, OuterSphere, Packed, Template};
     use crate::Settings;
     use crate::lanes::LANES;
-    use clump::{Clump, Sphere, properties_of_spheres};
+    use geometry::clump::{Clump, Sphere, properties_of_spheres};
     use nalgebra::Vector3;
 
     /// Two rods of 32 and 47 spheres, far apart and in a mixed order, are cut into pieces of sixteen

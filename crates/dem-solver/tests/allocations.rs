@@ -1,11 +1,11 @@
 //! A step in the flow takes no memory.
 
-use clump::{Clump, Sphere, properties_of_spheres};
 use contact_law::{Material, NormalForceEnd, PairParameters};
 use dem_solver::{
     DashpotMass, Interaction, InteractionSettings, Placement, Settings, Shape, Template, Wall,
     World,
 };
+use geometry::clump::{Clump, Sphere, properties_of_spheres};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Half of the side of the box, m.

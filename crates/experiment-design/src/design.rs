@@ -1,6 +1,6 @@
 //! A design: the list of runs, in coded variables.
 
-use random_stream::Stream;
+use probability::random_stream::Stream;
 use serde::{Deserialize, Serialize};
 
 use crate::{Error, Factor, check_factors};

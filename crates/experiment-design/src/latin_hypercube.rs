@@ -1,6 +1,6 @@
 //! Latin hypercube samples.
 
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 use crate::{Design, DesignKind, Error, Factor, check_factors};
 
@@ -122,7 +122,7 @@ fn least_distance_squared(rows: &[Vec<f64>]) -> f64 {
 mod tests {
     use super::{latin_hypercube, least_distance_squared, sample};
     use crate::Factor;
-    use random_stream::Stream;
+    use probability::random_stream::Stream;
 
     fn factors() -> Vec<Factor> {
         ["A", "B", "C"]

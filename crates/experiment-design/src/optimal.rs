@@ -2,7 +2,7 @@
 
 mod criterion;
 
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 pub use criterion::Criterion;
 pub(crate) use criterion::Target;

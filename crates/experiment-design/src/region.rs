@@ -1,7 +1,7 @@
 //! Where the runs of a design may lie: ranges, levels, and linear constraints on them.
 
 use nalgebra::{DMatrix, DVector};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 use crate::Error;
 

@@ -1,6 +1,6 @@
 //! Runs added near a contour: the second stage of an experiment.
 
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 use crate::optimal::{PASSES, Target};
 use crate::{Criterion, Design, DesignKind, Error, Factor, Region, check_factors};

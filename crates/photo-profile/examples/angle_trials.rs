@@ -5,7 +5,7 @@
 
 #![expect(clippy::print_stdout, reason = "the table is the result")]
 
-use drawn_pictures::{Class, HeapScene, Kind, Trial, kinds};
+use dev_support::drawn_pictures::{Class, HeapScene, Kind, Trial, kinds};
 use photo_profile::{DrumReading, Mode, PhotoReading, Settings, measure_image};
 use std::collections::BTreeMap;
 use surface_profile::{measure, measure_heap};

@@ -146,7 +146,7 @@ fn decoded_frames(path: &Path) -> Result<Vec<DynamicImage>, Error> {
 
 /// The bytes of a file.
 fn read_bytes(path: &Path) -> Result<Vec<u8>, Error> {
-    input_file::read(path).map_err(|source| Error::Read {
+    input::file::read(path).map_err(|source| Error::Read {
         path: path.to_path_buf(),
         source,
     })

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::overlay::is_overlay;
-use input_file::is_hidden;
+use input::file::is_hidden;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
@@ -143,7 +143,7 @@ impl LeftOut {
 
 /// The files in a folder that are pictures by the ending of their names, and the others, in the order of their names.
 fn files_in(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Error> {
-    input_file::files_in(folder, &ENDINGS).map_err(|source| Error::Read {
+    input::file::files_in(folder, &ENDINGS).map_err(|source| Error::Read {
         path: folder.to_path_buf(),
         source,
     })

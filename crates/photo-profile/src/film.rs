@@ -3,7 +3,7 @@
 use crate::Error;
 use image::codecs::pnm::PnmDecoder;
 use image::{DynamicImage, ImageDecoder as _};
-use input_file::has_ending;
+use input::file::has_ending;
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, ChildStdout, Command, Stdio};
@@ -47,7 +47,7 @@ impl Film {
     /// # Errors
     /// [`Error::Read`] for a file that cannot be read, [`Error::Film`] where the programs are missing or find no film in it.
     pub(crate) fn open(path: &Path) -> Result<Self, Error> {
-        drop(input_file::open(path).map_err(|source| Error::Read {
+        drop(input::file::open(path).map_err(|source| Error::Read {
             path: path.to_path_buf(),
             source,
         })?);

@@ -295,7 +295,7 @@ mod tests {
     /// error of that share is 1.1 %; with 5 places, one degree of freedom, it is 97 % since 1 px is the least error.
     #[test]
     fn the_interval_of_few_places_holds_the_truth() {
-        let mut stream = random_stream::Stream::new(3, "places of a hand");
+        let mut stream = probability::random_stream::Stream::new(3, "places of a hand");
         let slope = 30.0_f64.to_radians().tan();
         for (n, bend) in [(5, 0.0), (12, 0.0), (12, 8.0)] {
             let mut places = |noise: f64| -> Vec<(f64, f64)> {

@@ -95,7 +95,7 @@ mod tests {
     /// a standard deviation of so many, 4.5 %.
     #[test]
     fn the_error_of_a_mark_is_that_of_its_ends() {
-        let mut stream = random_stream::Stream::new(5, "ends of a mark");
+        let mut stream = probability::random_stream::Stream::new(5, "ends of a mark");
         let mut place = |x: f64| PixelPoint {
             x: x + stream.normal(),
             y: stream.normal(),

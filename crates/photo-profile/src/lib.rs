@@ -23,7 +23,7 @@
 //! Pixel frame: x to the right, y **down**, the centre of the first pixel is (0, 0).
 //!
 //! ```
-//! use drawn_pictures::Scene;
+//! use dev_support::drawn_pictures::Scene;
 //! use photo_profile::{Settings, measure_image};
 //! let scene = Scene { inclination: 0.6, ..Scene::default() };
 //! let reading = measure_image(&scene.draw(), &Settings::default())?;

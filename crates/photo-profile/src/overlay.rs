@@ -37,7 +37,7 @@ const LEAST_DRAWN: usize = 40;
 /// A file that cannot be read is none: whoever reads it says why.
 pub(crate) fn is_overlay(path: &Path) -> bool {
     let mut head = [0; RGB_PNG.len()];
-    let read = input_file::open(path).and_then(|mut file| file.read_exact(&mut head));
+    let read = input::file::open(path).and_then(|mut file| file.read_exact(&mut head));
     // Width and height in big-endian order, from byte 16.
     let [width, height] = [16, 20].map(|k: usize| {
         let bytes = [head[k], head[k + 1], head[k + 2], head[k + 3]];

@@ -270,8 +270,8 @@ impl Strip {
 mod tests {
     use super::{NoShift, surface_shift};
     use crate::{PhotoPixels, Settings, measure_photo};
-    use drawn_pictures::Scene;
-    use random_stream::Stream;
+    use dev_support::drawn_pictures::Scene;
+    use probability::random_stream::Stream;
 
     /// A bed whose texture is soft spots, moved downhill by so many pixels in the layer below the surface.
     fn bed(inclination: f64, moved: f64, tone: f64) -> PhotoPixels {

@@ -88,8 +88,8 @@ fn in_standard_deviations(share: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{LARGEST_SHARE, SelectionBias, in_standard_deviations};
+    use probability::random_stream::Stream;
     use probability::{normal_density, normal_upper_quantile};
-    use random_stream::Stream;
     use surface_profile::summarise;
 
     /// A series of a million normal values whose highest tenth cannot be read: what is left has a mean that is too low by the bound,

@@ -15,6 +15,7 @@ mod f;
 mod normal;
 mod polygamma;
 mod quantile_search;
+pub mod random_stream;
 mod sample;
 mod student;
 mod studentized_range;

@@ -7,8 +7,8 @@
 #![expect(clippy::print_stdout, reason = "the table is the result")]
 
 use experiment_design::{Factor, box_behnken};
+use probability::random_stream::Stream;
 use probability::t_two_sided_quantile;
-use random_stream::Stream;
 use response_surface::{ErrorSource, Model, Observations, fit};
 
 const EXPERIMENTS: u64 = 2000;

@@ -5,7 +5,7 @@
 use std::time::Instant;
 
 use experiment_design::{Factor, latin_hypercube};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 use response_surface::{Cell, Model, Observations, fit};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

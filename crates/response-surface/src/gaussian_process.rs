@@ -329,7 +329,7 @@ mod tests {
     #[test]
     fn intervals_of_a_run_hold_new_runs() {
         let factors = [Factor::coded_only("A").unwrap()];
-        let mut stream = random_stream::Stream::new(5, "new runs");
+        let mut stream = probability::random_stream::Stream::new(5, "new runs");
         let (mut inside, mut of_surface) = (0, 0);
         for experiment in 0..40 {
             let design = latin_hypercube(&factors, 25, experiment).unwrap();
@@ -359,7 +359,7 @@ mod tests {
     #[test]
     fn replicates_count_alike_in_rows_and_in_cells() {
         let factors = [Factor::coded_only("A").unwrap()];
-        let mut stream = random_stream::Stream::new(9, "replicates");
+        let mut stream = probability::random_stream::Stream::new(9, "replicates");
         let (mut rows, mut means) = (Vec::new(), Vec::new());
         for i in 0..12 {
             let x = f64::from(i) / 5.5 - 1.0;

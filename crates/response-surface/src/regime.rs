@@ -2,7 +2,7 @@
 
 use experiment_design::Factor;
 use nalgebra::{DMatrix, DVector};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 use serde::Serialize;
 
 use crate::{Error, Model, NamedValues};

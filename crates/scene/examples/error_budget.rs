@@ -14,9 +14,9 @@ use at_speed::{Outcome, drum_at};
 use image::codecs::jpeg::JpegEncoder;
 use image::imageops::FilterType;
 use image::{DynamicImage, GrayImage, Luma, imageops};
+use input::quantity::Length;
 use photo_profile::{DrumPixels, PhotoPixels, PhotoReading, Settings, measure_photo};
-use quantity::Length;
-use random_stream::Stream;
+use probability::random_stream::Stream;
 use scene::{Frame, RunResult, Scene, drum_picture};
 use std::path::{Path, PathBuf};
 

@@ -14,7 +14,7 @@
 mod at_speed;
 
 use at_speed::{Outcome, drum_at};
-use quantity::Length;
+use input::quantity::Length;
 use scene::{Frame, RunResult, Scene, read_frame};
 use std::path::PathBuf;
 use surface_profile::{

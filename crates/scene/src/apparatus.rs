@@ -342,7 +342,7 @@ impl Apparatus {
     /// Time in which the speed rises to its full, s; none where it has it at once.
     pub(crate) fn ramp(&self) -> Option<f64> {
         match self {
-            Self::Drum(drum) => drum.ramp.map(quantity::Time::si),
+            Self::Drum(drum) => drum.ramp.map(input::quantity::Time::si),
             _ => None,
         }
     }
@@ -357,7 +357,7 @@ impl Apparatus {
     }
 
     /// Sets the speed; nothing happens where nothing turns.
-    pub fn set_speed(&mut self, speed: quantity::AngularSpeed) {
+    pub fn set_speed(&mut self, speed: input::quantity::AngularSpeed) {
         match self {
             Self::Drum(drum) => drum.speed = speed,
             Self::Metering(device) => device.speed = speed,

@@ -159,7 +159,7 @@ pub(crate) fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
 mod tests {
     use super::{BedMotion, MotionEvidence};
     use crate::series::SeriesPoint;
-    use random_stream::Stream;
+    use probability::random_stream::Stream;
     use std::f64::consts::PI;
 
     /// 10 rpm, rad/s.

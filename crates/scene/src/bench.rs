@@ -16,8 +16,8 @@ use crate::phase_times::{PhaseTimes, Stopwatch};
 use crate::run::{Ending, RunResult};
 use crate::time_step::TimeSteps;
 use crate::{Error, FillingLibrary, ObservableValues, Scene, SeedBody, SeedSettings};
-use clump::Sphere;
 use dem_solver::{Census, Interaction, Settings, Template, World};
+use geometry::clump::Sphere;
 use nalgebra::{UnitQuaternion, Vector3};
 use std::sync::Arc;
 

@@ -8,8 +8,8 @@ use crate::{Error, Frame, Scene, SeedBody};
 use contact_law::bond::{Bond, BondSettings, BondStrength};
 use dem_solver::bonds::{Bonds, agglomerate};
 use dem_solver::{Placement, World};
+use input::quantity::{Length, Pressure};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use quantity::{Length, Pressure};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 

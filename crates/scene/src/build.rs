@@ -10,8 +10,8 @@ use crate::placement::{Room, place};
 use crate::surroundings::Surroundings;
 use crate::time_step::TimeSteps;
 use crate::{Error, FillingLibrary, Scene, SeedBody};
-use clump::{Clump, volume_of_sphere};
 use dem_solver::{HealthLimits, MeshWall, Motion, Placement, Settings, Template, Wall, World};
+use geometry::clump::{Clump, volume_of_sphere};
 use std::sync::Arc;
 
 /// A world with what belongs to it.

@@ -1,8 +1,8 @@
 //! A camera that looks along the axis of a drum: what it sees of spheres, and what is read from that.
 
 use crate::{Error, FrameReading, Scene};
-use clump::Sphere;
 use frame_render::{DrumView, RenderSphere, render_drum_with_walls, seed_colour};
+use geometry::clump::Sphere;
 use image::{DynamicImage, RgbImage};
 use photo_profile::{PhotoPixels, measure_photo, surface_shift};
 use surface_profile::{DensitySettings, Disc, DrumCircle, measure, profile_from_discs};
@@ -32,11 +32,11 @@ impl DrumCamera {
             width: scene.apparatus.width(),
             pixels: scene.camera.pixels,
             roll: scene.camera.roll.si(),
-            distance: scene.camera.distance.map(quantity::Length::si),
+            distance: scene.camera.distance.map(input::quantity::Length::si),
             max_angle_error: scene
                 .camera
                 .max_angle_error
-                .map_or(photo_profile::MAX_ANGLE_ERROR, quantity::Angle::si),
+                .map_or(photo_profile::MAX_ANGLE_ERROR, input::quantity::Angle::si),
         }
     }
 

@@ -119,7 +119,7 @@ pub enum Error {
         /// Name of the seed.
         seed: String,
         /// Why.
-        source: clump::files::TableError,
+        source: geometry::clump::files::TableError,
     },
     /// The mesh of a wall is refused.
     #[error("mesh of wall '{wall}': {source}")]
@@ -143,7 +143,7 @@ pub enum Error {
         /// Name of the seed.
         seed: String,
         /// Why.
-        source: quantity::Error,
+        source: input::quantity::Error,
     },
     /// A body of spheres cannot be made.
     #[error("body of seed '{seed}': {source}")]
@@ -151,7 +151,7 @@ pub enum Error {
         /// Name of the seed.
         seed: String,
         /// Why.
-        source: clump::Error,
+        source: geometry::clump::Error,
     },
     /// A contact parameter is out of range.
     #[error("{file}: contact '{pair}': {source}")]

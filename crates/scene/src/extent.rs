@@ -1,6 +1,6 @@
 //! How far spheres reach.
 
-use clump::Sphere;
+use geometry::clump::Sphere;
 
 /// Ends of spheres along an axis, m.
 pub(crate) fn extent(spheres: &[Sphere], axis: usize) -> [f64; 2] {

@@ -16,7 +16,7 @@ use crate::placement::{Capsule, Placed, Room, TRIES, if_free, try_place};
 use crate::{Apparatus, Error, Scene};
 use dem_solver::Placement;
 use nalgebra::{UnitQuaternion, Vector3};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 /// Where seeds appear: above this share of the height of the apparatus.
 const FLOOR: f64 = 0.3;

@@ -1,7 +1,7 @@
 //! From the shape of a seed to a body, once for each distinct filling.
 
 use crate::{Error, Scene, SeedSettings};
-use clump::{Clump, MassProperties, volume_of_sphere};
+use geometry::clump::{Clump, MassProperties, volume_of_sphere};
 use sphere_fill::{FillSettings, FitReport, InertiaSource, union_moments};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -19,7 +19,7 @@ pub struct SeedBody {
     /// Only the spheres that can be seen or touched.
     pub outer: Clump,
     /// Spheres in the frame of the mesh, m.
-    pub spheres: Vec<clump::Sphere>,
+    pub spheres: Vec<geometry::clump::Sphere>,
     /// Volume of the seed, m³: of the shape, or of the union of the spheres where these are the shape.
     pub volume: f64,
     /// The shape that the spheres stand for; none where the spheres are the shape.
@@ -135,12 +135,12 @@ fn filled(seed: &SeedSettings, mesh: CheckedMesh) -> Result<SeedBody, Error> {
         source,
     })?;
     let Some(stated) = stated else {
-        return Err(unfilled(seed, clump::Error::NoSpheres.into()));
+        return Err(unfilled(seed, geometry::clump::Error::NoSpheres.into()));
     };
     let settings = FillSettings {
         method: stated.method,
         count: stated.sphere_count,
-        roughness: stated.roughness.map(quantity::Length::si),
+        roughness: stated.roughness.map(input::quantity::Length::si),
         seed: stated.seed,
         ..FillSettings::new(stated.sphere_radius.si())
     };
@@ -164,7 +164,7 @@ fn filled(seed: &SeedSettings, mesh: CheckedMesh) -> Result<SeedBody, Error> {
 /// A body of one sphere of a radius, m.
 fn ball(seed: &SeedSettings, radius: f64) -> Result<SeedBody, Error> {
     let mesh = ellipsoid(seed, [radius; 3])?;
-    let sphere = clump::Sphere {
+    let sphere = geometry::clump::Sphere {
         centre: nalgebra::Vector3::zeros(),
         radius,
     };
@@ -186,7 +186,7 @@ fn ball(seed: &SeedSettings, radius: f64) -> Result<SeedBody, Error> {
 }
 
 /// A body of the spheres of a list as they are: its mass is spread evenly over their union.
-fn listed(seed: &SeedSettings, spheres: Vec<clump::Sphere>) -> Result<SeedBody, Error> {
+fn listed(seed: &SeedSettings, spheres: Vec<geometry::clump::Sphere>) -> Result<SeedBody, Error> {
     let (union, mass) = (union_moments(&spheres), seed.mass_kg());
     let properties = MassProperties {
         mass,
@@ -238,11 +238,11 @@ fn scaled(body: &SeedBody, factor: f64, seed: &str) -> Result<SeedBody, Error> {
         seed: seed.to_owned(),
         source,
     })?;
-    let refused = |source: clump::Error| Error::Filling {
+    let refused = |source: geometry::clump::Error| Error::Filling {
         seed: seed.to_owned(),
         source: source.into(),
     };
-    let larger = |s: &clump::Sphere| clump::Sphere {
+    let larger = |s: &geometry::clump::Sphere| geometry::clump::Sphere {
         centre: s.centre * factor,
         radius: s.radius * factor,
     };

@@ -112,7 +112,7 @@ pub fn avalanche_period(series: &[f64], interval: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::avalanche_period;
-    use random_stream::Stream;
+    use probability::random_stream::Stream;
 
     /// A swing of 0.8 s under noise of its own size, sampled at 0.02 s for 8 s: within a sample or two.
     #[test]

@@ -76,14 +76,14 @@ impl Frame {
     pub(crate) fn spheres<'a>(
         &'a self,
         bodies: &'a [Arc<SeedBody>],
-    ) -> impl Iterator<Item = (usize, clump::Sphere)> + 'a {
+    ) -> impl Iterator<Item = (usize, geometry::clump::Sphere)> + 'a {
         (0..self.position.len()).flat_map(move |i| {
             let (position, turn) = (self.position[i], self.orientation[i]);
             bodies[self.kind[i]].outer.spheres().iter().map(move |s| {
                 let centre = position + turn * s.centre;
                 (
                     i,
-                    clump::Sphere {
+                    geometry::clump::Sphere {
                         centre,
                         radius: s.radius,
                     },
@@ -120,7 +120,7 @@ pub fn read_frame(
 ) -> Result<FrameReading, Error> {
     let camera = DrumCamera::of(scene);
     let spheres: Vec<_> = frame.spheres(bodies).collect();
-    let Some(interval) = scene.camera.pair_interval.map(quantity::Time::si) else {
+    let Some(interval) = scene.camera.pair_interval.map(input::quantity::Time::si) else {
         return camera.read(&spheres);
     };
     let later = frame.after(interval);
@@ -132,7 +132,7 @@ pub fn read_frame(
 mod tests {
     use super::{Frame, drum_picture, read_frame};
     use crate::{FillingLibrary, Override, Scene, SeedBody};
-    use fixture_files::fixture;
+    use dev_support::fixture_files::fixture;
     use image::DynamicImage;
     use nalgebra::{UnitQuaternion, Vector3};
     use photo_profile::{PhotoPixels, measure_photo};
@@ -152,7 +152,7 @@ mod tests {
             set("camera.pixels", "1400"),
         ];
         let mut scene = Scene::read(&file, &changes).unwrap();
-        scene.camera.distance = Some(quantity::Length::parse("92 mm").unwrap());
+        scene.camera.distance = Some(input::quantity::Length::parse("92 mm").unwrap());
         scene
     }
 
@@ -234,7 +234,7 @@ mod tests {
     fn the_speed_of_the_surface_is_that_of_its_seeds() {
         let (mut scene, body, mut frame) = tilted_bed();
         // Seeds of a lattice that lie alike look alike: 1 mm to any side, and turned.
-        let mut stream = random_stream::Stream::new(2, "a bed without order");
+        let mut stream = probability::random_stream::Stream::new(2, "a bed without order");
         for (place, turn) in frame.position.iter_mut().zip(&mut frame.orientation) {
             let mut random = || stream.between(-1.0, 1.0);
             *place += 0.001 * Vector3::new(random(), random(), 0.0);
@@ -255,7 +255,7 @@ mod tests {
             |scene: &Scene, frame: &Frame| read_frame(scene, &bodies, frame).unwrap().surface_speed;
         speed(&mut frame, 0.3);
         assert!(told(&scene, &frame).is_none(), "no pair, no speed");
-        scene.camera.pair_interval = Some(quantity::Time::parse("5 ms").unwrap());
+        scene.camera.pair_interval = Some(input::quantity::Time::parse("5 ms").unwrap());
         let found = told(&scene, &frame).unwrap().unwrap();
         assert!((found / 0.3 - 1.0).abs() < 0.05, "{found} m/s");
         speed(&mut frame, 3.0);

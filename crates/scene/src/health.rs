@@ -69,7 +69,7 @@ mod tests {
     use super::impact_speed;
     use crate::{Override, Scene};
     use contact_law::hard_contact;
-    use fixture_files::fixture;
+    use dev_support::fixture_files::fixture;
 
     /// The speed in a scene of the study with changes, m/s.
     fn speed(file: &str, changes: &[(&str, &str)]) -> f64 {

@@ -234,8 +234,8 @@ pub(crate) fn mean_radius(scene: &Scene, bodies: &[Arc<SeedBody>], name: &str) -
 mod tests {
     use super::{bridge, interactions};
     use crate::{FillingLibrary, LiquidSettings, Override, Scene};
-    use fixture_files::fixture;
-    use quantity::Angle;
+    use dev_support::fixture_files::fixture;
+    use input::quantity::Angle;
     use std::f64::consts::PI;
 
     /// The study's drum with changes.

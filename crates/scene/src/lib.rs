@@ -8,7 +8,7 @@
 //!
 //! ```
 //! use scene::{Override, Scene};
-//! let file = fixture_files::fixture("cotton/drum.toml");
+//! let file = dev_support::fixture_files::fixture("cotton/drum.toml");
 //! let faster = Override {
 //!     name: "rpm".into(),
 //!     value: "20".into(),

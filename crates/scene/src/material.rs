@@ -1,7 +1,7 @@
 //! The elastic constants of a material, as a scene file states them.
 
 use contact_law::Material;
-use quantity::{PoissonRatio, Pressure};
+use input::quantity::{PoissonRatio, Pressure};
 use serde::{Deserialize, Serialize};
 
 /// Elastic constants of a material.
@@ -60,7 +60,7 @@ impl MaterialSettings {
     /// # Errors
     ///
     /// A modulus that is not finite.
-    pub fn stiffened(self, factor: f64) -> Result<Self, quantity::Error> {
+    pub fn stiffened(self, factor: f64) -> Result<Self, input::quantity::Error> {
         let times = |modulus: Pressure| Pressure::from_si(modulus.si() * factor);
         let stiffness = match self.stiffness {
             Stiffness::ShearModulus(shear) => Stiffness::ShearModulus(times(shear)?),

@@ -4,8 +4,8 @@ use crate::apparatus::NamedMesh;
 use crate::check::bad;
 use crate::{Apparatus, Error, Scene, SeedSettings};
 use dem_solver::{Motion, Vibration};
+use input::quantity::{AngularSpeed, Frequency, Length, Speed};
 use nalgebra::Vector3;
-use quantity::{AngularSpeed, Frequency, Length, Speed};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::path::PathBuf;
@@ -73,7 +73,8 @@ impl WallSettings {
         }
         let [low, high] = scene.apparatus.room();
         let (middle, radius) = (0.5 * (low + high), 0.5 * (high - low).norm());
-        let distance = |corners| (triangle::nearest_on_triangle(&middle, corners) - middle).norm();
+        let distance =
+            |corners| (geometry::triangle::nearest_on_triangle(&middle, corners) - middle).norm();
         let nearest = triangles.iter().map(distance).fold(f64::INFINITY, f64::min);
         if nearest <= radius || self.velocity.is_some() {
             return Ok(());

@@ -1,6 +1,6 @@
 //! The slope of a heap, read from its outline as a photo from the side would show it.
 
-use clump::Sphere;
+use geometry::clump::Sphere;
 use nalgebra::Vector3;
 
 /// Shares of the height between which a whole flank is read: the foot is ragged and the top is round.
@@ -141,7 +141,7 @@ impl Outline {
 #[cfg(test)]
 mod tests {
     use super::{FLANK, Outline, TOE, TOP, View};
-    use clump::Sphere;
+    use geometry::clump::Sphere;
     use nalgebra::Vector3;
 
     /// Small spheres on a cone of 30 degrees: both flanks in both views read 30 degrees; half a degree

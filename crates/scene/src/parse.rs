@@ -2,7 +2,7 @@
 
 use crate::other_names::way_out;
 use crate::{Error, Scene, SeedSettings};
-use input_file::toml_slip;
+use input::file::toml_slip;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
@@ -307,7 +307,7 @@ fn meant(all: &[String], name: &str) -> String {
 
 /// Text of a file.
 fn text_of(path: &Path) -> Result<String, Error> {
-    input_file::read_text(path).map_err(|source| Error::Read {
+    input::file::read_text(path).map_err(|source| Error::Read {
         path: path.to_owned(),
         source,
     })

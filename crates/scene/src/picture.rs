@@ -178,7 +178,7 @@ mod tests {
             {more}
             "#
         );
-        let folder = fixture_files::fixture("stl");
+        let folder = dev_support::fixture_files::fixture("stl");
         Scene::from_text(&text, "any.toml", &folder, &[]).unwrap()
     }
 

@@ -3,10 +3,10 @@
 mod insertion;
 
 use crate::{Apparatus, Error};
-use clump::Clump;
 use dem_solver::Placement;
+use geometry::clump::Clump;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 /// Orientations tried at a place before it is left empty.
 pub(crate) const TRIES: usize = 60;
@@ -44,7 +44,7 @@ impl Capsule {
             .map(|s| s.centre.yz().norm() + s.radius)
             .fold(0.0, f64::max);
         // Beyond the segment the capsule is a ball; each sphere must lie within it.
-        let needed = |s: &clump::Sphere| {
+        let needed = |s: &geometry::clump::Sphere| {
             let free = radius - s.radius;
             let side = s.centre.yz().norm().min(free);
             s.centre.x.abs() - (free * free - side * side).sqrt()
@@ -258,7 +258,7 @@ fn is_inside(room: Room<'_>, body: &Placed) -> bool {
 fn is_clear_of(obstacles: &[[Vector3<f64>; 3]], body: &Placed) -> bool {
     let length = body.half.norm();
     obstacles.iter().all(|corners| {
-        let middle = triangle::nearest_on_triangle(&body.centre, corners) - body.centre;
+        let middle = geometry::triangle::nearest_on_triangle(&body.centre, corners) - body.centre;
         if middle.norm() > length + 2.0 * body.radius {
             return true;
         }
@@ -266,7 +266,7 @@ fn is_clear_of(obstacles: &[[Vector3<f64>; 3]], body: &Placed) -> bool {
         let mut step = 0.0;
         while step <= n {
             let point = body.centre + body.half * (2.0 * step / n - 1.0);
-            let gap = (triangle::nearest_on_triangle(&point, corners) - point).norm();
+            let gap = (geometry::triangle::nearest_on_triangle(&point, corners) - point).norm();
             // Between two balls the capsule is nearer by less than a sixteenth of its radius.
             if gap < 1.07 * body.radius {
                 return false;

@@ -3,7 +3,7 @@
 use crate::{
     Apparatus, CameraSettings, Error, ModelSettings, Protocol, Scene, SurroundingsSettings,
 };
-use quantity::FrictionCoefficient;
+use input::quantity::FrictionCoefficient;
 
 impl Scene {
     /// The same seeds, materials and contacts in another apparatus, without what it cannot have: in a bench test walls,

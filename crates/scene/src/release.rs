@@ -7,7 +7,7 @@ use crate::motion::{Progress, Running, SERIES_INTERVAL, advance, rest_energy, se
 use crate::outline::{FLANK, Outline, TOE, TOP, View};
 use crate::phase_times::Stopwatch;
 use crate::{Apparatus, Doubt, Error, Frame, ObservableValues, Scene, SeedBody};
-use clump::Sphere;
+use geometry::clump::Sphere;
 use std::sync::Arc;
 
 /// What the seeds look like when they rest again.

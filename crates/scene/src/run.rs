@@ -17,8 +17,8 @@ use crate::steady::SteadyState;
 use crate::{
     Doubt, DrumCamera, Error, FillingLibrary, Frame, FrameReading, Scene, SeedBody, read_frame,
 };
-use clump::Sphere;
 use dem_solver::{Census, Placement, World};
+use geometry::clump::Sphere;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -523,7 +523,7 @@ fn angles_at_rim(bodies: &[Arc<SeedBody>], frame: &Frame, radius: f64) -> Vec<f6
 #[cfg(test)]
 mod tests {
     use super::trace_at;
-    use clump::Sphere;
+    use geometry::clump::Sphere;
     use nalgebra::Vector3;
     use surface_profile::DrumCircle;
 

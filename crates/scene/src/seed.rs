@@ -1,9 +1,9 @@
 //! One kind of seed: its shape, its mass, and how many there are.
 
 use crate::{Error, Scene};
-use clump::files::read_spheres;
-use clump::{DENSITIES, Sphere};
-use quantity::{Density, Length, Mass, significant};
+use geometry::clump::files::read_spheres;
+use geometry::clump::{DENSITIES, Sphere};
+use input::quantity::{Density, Length, Mass, significant};
 use serde::{Deserialize, Serialize};
 use sphere_fill::union_moments;
 use std::f64::consts::FRAC_PI_6;
@@ -116,7 +116,7 @@ impl FillingSettings {
     /// # Errors
     ///
     /// Axes that are not finite.
-    pub fn of_ellipsoid(axes: [Length; 3]) -> Result<Self, quantity::Error> {
+    pub fn of_ellipsoid(axes: [Length; 3]) -> Result<Self, input::quantity::Error> {
         let axes = axes.map(Length::si).into_iter();
         let shortest = 0.5 * axes.fold(f64::INFINITY, f64::min);
         Ok(Self {
@@ -169,7 +169,7 @@ impl SeedSettings {
     /// A file that cannot be read or holds something else.
     pub(crate) fn listed_spheres(&self, folder: &Path) -> Result<Vec<Sphere>, Error> {
         let path = folder.join(self.spheres.as_deref().unwrap_or(Path::new("")));
-        let text = input_file::read_text(&path).map_err(|source| Error::Read {
+        let text = input::file::read_text(&path).map_err(|source| Error::Read {
             path: path.clone(),
             source,
         })?;
@@ -232,7 +232,7 @@ impl SeedSettings {
     /// # Errors
     ///
     /// An ellipsoid whose axes are not finite.
-    pub fn filling(&self) -> Result<Option<FillingSettings>, quantity::Error> {
+    pub fn filling(&self) -> Result<Option<FillingSettings>, input::quantity::Error> {
         match (&self.filling, self.ellipsoid) {
             (Some(filling), _) => Ok(Some(filling.clone())),
             (None, Some(axes)) => FillingSettings::of_ellipsoid(axes).map(Some),

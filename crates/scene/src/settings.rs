@@ -3,7 +3,7 @@
 use crate::steady::{LEAST_KEPT, LEAST_START_UP, expected_swing};
 use crate::{Apparatus, MaterialSettings, SeedSettings, SurroundingsSettings};
 use contact_law::hard_contact;
-use quantity::{Angle, Frequency, FrictionCoefficient, Length, Restitution, Time};
+use input::quantity::{Angle, Frequency, FrictionCoefficient, Length, Restitution, Time};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -115,7 +115,11 @@ fn is_zero(share: &f64) -> bool {
 
 impl ModelSettings {
     /// A body type with the dashpots of the model.
-    pub(crate) fn template(&self, clump: &clump::Clump, material: usize) -> dem_solver::Template {
+    pub(crate) fn template(
+        &self,
+        clump: &geometry::clump::Clump,
+        material: usize,
+    ) -> dem_solver::Template {
         let template = dem_solver::Template::new(clump, material, self.dashpot_mass);
         match self.dashpot_mass {
             dem_solver::DashpotMass::Sphere => template.with_whole_damping(self.whole_seed_damping),

@@ -2,7 +2,7 @@
 
 use crate::check::MOST_START_SLOPE;
 use crate::{Apparatus, Scene, SeedBody};
-use quantity::Angle;
+use input::quantity::Angle;
 use std::sync::Arc;
 
 /// What the estimate is made of for one kind of body.

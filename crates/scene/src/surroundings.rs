@@ -21,8 +21,8 @@
 
 use crate::{Apparatus, Error, Scene, SeedBody, VibrationSettings};
 use dem_solver::{Bodies, Load};
+use input::quantity::Length;
 use nalgebra::Vector3;
-use quantity::Length;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_8, PI, TAU};
 use std::sync::Arc;

@@ -193,7 +193,7 @@ fn halving(scene: &Scene) -> f64 {
 ///
 /// # Formula
 ///
-/// `dt = 0.5 m / (12 c)`: m the [mass felt at the tip](clump::Clump::mass_felt_at_tip), or of the lightest sphere where
+/// `dt = 0.5 m / (12 c)`: m the [mass felt at the tip](geometry::clump::Clump::mass_felt_at_tip), or of the lightest sphere where
 /// seeds are bonded, c the greatest resistance between two seeds, along the surface `7/2` times for the turn that it
 /// brings along. A wall resists four times as much as a seed, and stands for four of the twelve.
 fn viscous_limit(scene: &Scene, bodies: &[Arc<SeedBody>]) -> f64 {

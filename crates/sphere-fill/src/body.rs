@@ -2,7 +2,7 @@
 
 use crate::distance_grid::DistanceGrid;
 use crate::{Error, FillSettings};
-use clump::Sphere;
+use geometry::clump::Sphere;
 use nalgebra::Vector3;
 use trimesh::{SignedDistance, TriMesh, VolumeMoments};
 
@@ -71,7 +71,7 @@ impl<'a> Body<'a> {
 
     /// Number of spheres at a packing fraction of 0.55, usual for bodies of some radii across.
     pub(crate) fn expected_count(&self, radius: f64) -> f64 {
-        0.55 * self.moments.volume / clump::volume_of_sphere(radius)
+        0.55 * self.moments.volume / geometry::clump::volume_of_sphere(radius)
     }
 
     /// Distance grid in units of the sphere radius.

@@ -2,7 +2,7 @@
 
 use crate::near_pairs::near_pairs;
 use crate::pieces::Pieces;
-use clump::Sphere;
+use geometry::clump::Sphere;
 use std::collections::BTreeMap;
 
 /// Largest gap that counts as contact, over the smallest radius, where none is given.
@@ -168,9 +168,9 @@ fn joining_gap(spheres: &[Sphere], contacts: &[SpherePair], mut reach: f64) -> f
 #[cfg(test)]
 mod tests {
     use super::{Connectivity, neck_radius};
-    use clump::Sphere;
+    use geometry::clump::Sphere;
     use nalgebra::Vector3;
-    use random_stream::Stream;
+    use probability::random_stream::Stream;
 
     fn row(places: &[(f64, f64)]) -> Vec<Sphere> {
         let sphere = |&(x, radius): &(f64, f64)| Sphere {

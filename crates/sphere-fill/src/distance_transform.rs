@@ -1,7 +1,7 @@
 //! Spheres at the peaks of the distance to the surface.
 
 use crate::{Body, Error, FillSettings, Place};
-use clump::Sphere;
+use geometry::clump::Sphere;
 use nalgebra::Vector3;
 
 /// Nodes along the longest extent of the body.

@@ -1,7 +1,7 @@
 //! Why a body cannot be filled.
 
 use crate::Method;
-use quantity::significant;
+use input::quantity::significant;
 
 /// Why a filling is refused.
 #[derive(Debug, thiserror::Error)]
@@ -12,7 +12,7 @@ pub enum Error {
     Mesh(#[from] trimesh::Error),
     /// The spheres make no rigid body.
     #[error(transparent)]
-    Clump(#[from] clump::Error),
+    Clump(#[from] geometry::clump::Error),
     /// A setting is not a positive finite number.
     #[error("{what} is {value}; it must be a positive finite number")]
     NotPositive {

@@ -1,7 +1,7 @@
 //! Spheres along the longest axis of a body.
 
 use crate::{Body, Error, FillSettings, Place};
-use clump::Sphere;
+use geometry::clump::Sphere;
 use nalgebra::Vector3;
 
 /// Most spheres, when neither a count nor a limit is given.

@@ -2,8 +2,8 @@
 
 use crate::touching::touching_sphere;
 use crate::{Body, Error, FillSettings, Place};
-use clump::Sphere;
-use random_stream::Stream;
+use geometry::clump::Sphere;
+use probability::random_stream::Stream;
 
 /// Surface points, in random order.
 const SAMPLES: usize = 4000;

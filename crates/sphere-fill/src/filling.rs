@@ -7,7 +7,7 @@ use crate::{
     Body, DistanceTransform, Error, Favier, Ferellec, FillSettings, FitReport, Lattice, Method,
     Pack, Smooth, Surface,
 };
-use clump::{Clump, MassProperties, Sphere, volume_of_sphere};
+use geometry::clump::{Clump, MassProperties, Sphere, volume_of_sphere};
 use nalgebra::Vector3;
 use trimesh::{TriMesh, VolumeMoments};
 

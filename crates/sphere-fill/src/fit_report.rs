@@ -3,7 +3,7 @@
 use crate::Body;
 use crate::near_pairs::near_pairs;
 use crate::surface_gap::{Gaps, gaps_at};
-use clump::Sphere;
+use geometry::clump::Sphere;
 use serde::Serialize;
 use trimesh::VolumeMoments;
 
@@ -50,7 +50,7 @@ impl FitReport {
         let volume = body.moments.volume;
         let total: f64 = spheres
             .iter()
-            .map(|s| clump::volume_of_sphere(s.radius))
+            .map(|s| geometry::clump::volume_of_sphere(s.radius))
             .sum();
         let max_protrusion = spheres
             .iter()

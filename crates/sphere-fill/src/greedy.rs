@@ -1,7 +1,7 @@
 //! Taking spheres one after another, each time the one that gains most.
 
 use crate::surface_gap::Gaps;
-use clump::Sphere;
+use geometry::clump::Sphere;
 use nalgebra::Vector3;
 use trimesh::SurfaceSample;
 

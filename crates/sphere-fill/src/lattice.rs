@@ -6,9 +6,9 @@ use crate::placement::{Placement, lattice_count, reach_of};
 use crate::relaxation::Wall;
 use crate::settling::settled;
 use crate::{Body, Error, FillSettings, Place};
-use clump::Sphere;
+use geometry::clump::Sphere;
 use nalgebra::Vector3;
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 /// Lattice points over all placements that are settled, at effort 1.
 const WORK: f64 = 2e7;

@@ -1,8 +1,8 @@
 //! How many pairs of spheres come near each other where two seeds touch.
 
-use clump::{Sphere, volume_of_sphere};
+use geometry::clump::{Sphere, volume_of_sphere};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 /// Gap up to which two spheres are near, as a share of the size of the seed (twice the distance of its farthest point from its
 /// centroid).
@@ -125,7 +125,7 @@ fn pairs_within(left: &[Facing], right: &[Facing], distance: f64, near: f64) -> 
 #[cfg(test)]
 mod tests {
     use super::near_pairs_at_contact;
-    use clump::Sphere;
+    use geometry::clump::Sphere;
     use nalgebra::Vector3;
 
     fn ball(x: f64) -> Sphere {
@@ -147,7 +147,7 @@ mod tests {
     fn pruning_leaves_no_pair_out() {
         use super::{facing, pairs_within, touching_distance};
         use nalgebra::UnitQuaternion;
-        use random_stream::Stream;
+        use probability::random_stream::Stream;
         let mut stream = Stream::new(3, "near contacts");
         let spheres: Vec<Sphere> = (0..30)
             .map(|_| Sphere {

@@ -1,6 +1,6 @@
 //! Pairs of spheres whose surfaces lie near each other.
 
-use clump::Sphere;
+use geometry::clump::Sphere;
 
 /// Calls with the indices and the gap (m, negative where they overlap) of every pair of spheres whose
 /// gap is at most `reach` (m), by a sweep along x.

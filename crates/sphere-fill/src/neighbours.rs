@@ -51,7 +51,7 @@ impl Neighbours {
 mod tests {
     use super::Neighbours;
     use nalgebra::Vector3;
-    use random_stream::Stream;
+    use probability::random_stream::Stream;
 
     /// The sweep finds the same near pairs as the comparison of all with all, also after moves.
     #[test]

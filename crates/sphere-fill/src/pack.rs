@@ -5,7 +5,7 @@ use crate::neighbours::Neighbours;
 use crate::pack_search::{FREE, LONGEST, Search};
 use crate::relaxation::{DEPTH, Room, Stop, Wall, relax};
 use crate::{Body, Error, FillSettings, Place};
-use clump::Sphere;
+use geometry::clump::Sphere;
 use nalgebra::Vector3;
 
 /// Sum of squared overlaps (radii²) that counts as none in the last relaxation against the exact surface.

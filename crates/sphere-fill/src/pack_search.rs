@@ -6,7 +6,7 @@ use crate::placement::best_lattice;
 use crate::relaxation::{Relaxed, Room, Stop, energy_of_each, relax};
 use crate::{Body, FillSettings};
 use nalgebra::Vector3;
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 /// Sum of squared overlaps (radii²) that counts as none: no overlap is above 1e-4 radii.
 pub(crate) const FREE: f64 = 1e-8;

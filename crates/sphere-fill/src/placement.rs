@@ -2,7 +2,7 @@
 
 use crate::distance_grid::DistanceGrid;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 /// Distance of rows in a layer, radii.
 const ROW: f64 = 1.732_050_807_568_877_2;
@@ -126,7 +126,7 @@ impl Placement {
 
 /// Number of lattice points in a sphere of a radius in radii: its volume over 4√2.
 pub(crate) fn lattice_count(reach: f64) -> f64 {
-    clump::volume_of_sphere(reach) / (4.0 * 2.0_f64.sqrt())
+    geometry::clump::volume_of_sphere(reach) / (4.0 * 2.0_f64.sqrt())
 }
 
 /// Steps of a spacing that cover a reach.

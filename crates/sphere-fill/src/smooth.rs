@@ -3,7 +3,7 @@
 use crate::greedy::Greedy;
 use crate::touching::touching_sphere;
 use crate::{Body, Error, FillSettings, Place};
-use clump::Sphere;
+use geometry::clump::Sphere;
 
 /// Surface points at which touching spheres are tried and the fit is measured.
 const SAMPLES: usize = 3000;

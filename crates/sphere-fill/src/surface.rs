@@ -5,7 +5,7 @@ use crate::surface_fit::SurfaceFit;
 use crate::touching::touching_sphere;
 use crate::union_moments::union_moments;
 use crate::{Body, Error, FillSettings, Place};
-use clump::Sphere;
+use geometry::clump::Sphere;
 use trimesh::SurfaceSample;
 
 /// Surface points at which the gap is measured.

@@ -1,7 +1,7 @@
 //! Least squares of the gaps between a surface and overlapping spheres.
 
 use crate::Body;
-use clump::Sphere;
+use geometry::clump::Sphere;
 use nalgebra::{Matrix4, Vector4};
 use trimesh::SurfaceSample;
 

@@ -1,6 +1,6 @@
 //! How far the spheres' surface lies from the mesh's.
 
-use clump::Sphere;
+use geometry::clump::Sphere;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use nalgebra::Vector3;
 
@@ -79,9 +79,9 @@ pub(crate) fn gaps_at<'a>(
 #[cfg(test)]
 mod tests {
     use super::gaps_at;
-    use clump::Sphere;
+    use geometry::clump::Sphere;
     use nalgebra::Vector3;
-    use random_stream::Stream;
+    use probability::random_stream::Stream;
 
     /// The tree gives what the comparison with every sphere gives, for radii that differ 30-fold.
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::settings::positive;
 use crate::{Body, Error, Filling, FitReport};
-use quantity::significant;
+use input::quantity::significant;
 use serde::{Deserialize, Serialize};
 
 /// Errors that a filling must keep; what is none is not looked at.

@@ -1,7 +1,7 @@
 //! The largest inscribed sphere that touches the surface at a point.
 
 use crate::Body;
-use clump::Sphere;
+use geometry::clump::Sphere;
 use trimesh::SurfaceSample;
 
 /// Steps of the shrinking ball; most samples take fewer than 10.

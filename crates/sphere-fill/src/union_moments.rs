@@ -1,6 +1,6 @@
 //! Volume, centroid and inertia of a union of spheres.
 
-use clump::Sphere;
+use geometry::clump::Sphere;
 use nalgebra::{Matrix3, Vector3};
 use trimesh::VolumeMoments;
 
@@ -110,7 +110,7 @@ impl Sums {
 #[cfg(test)]
 mod tests {
     use super::union_moments;
-    use clump::Sphere;
+    use geometry::clump::Sphere;
     use nalgebra::Vector3;
     use std::f64::consts::PI;
 

@@ -1,7 +1,7 @@
 //! The surface of a union of spheres as triangles.
 
 use crate::Error;
-use clump::Sphere;
+use geometry::clump::Sphere;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 use trimesh::CubeGrid;
@@ -111,7 +111,7 @@ fn exit_share(sphere: &Sphere, from: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::union_surface;
-    use clump::Sphere;
+    use geometry::clump::Sphere;
     use nalgebra::Vector3;
     use std::f64::consts::PI;
     use trimesh::{LengthUnit, TriMesh};

@@ -2,8 +2,8 @@
 
 use crate::numbers::{digits, fixed, listed, p_in_words, with_error};
 use crate::residual::models;
-use calibration::{AddedEffect, ResidualStudy};
-use residual_diagnosis::{Limit, Unseen, Verdict};
+use inference::diagnosis::{Limit, Unseen, Verdict};
+use inference::{AddedEffect, ResidualStudy};
 
 /// Distance from an end of its range, in widths of it, at which an effect lies there.
 const AT_AN_END: f64 = 1e-6;
@@ -96,8 +96,8 @@ fn how_sure(study: &ResidualStudy) -> Option<String> {
             "what {named} leaves by noise: {}",
             p_in_words(best.p)
         ));
-        let over = |rival: &residual_diagnosis::Refit| {
-            let odds = residual_diagnosis::odds(rival.ln_odds_of_best?);
+        let over = |rival: &inference::diagnosis::Refit| {
+            let odds = inference::diagnosis::odds(rival.ln_odds_of_best?);
             Some(format!(
                 "{named} over {}, by real runs of both: odds of {odds}",
                 rival.effects.join(" and ")
@@ -115,7 +115,7 @@ fn errors(study: &ResidualStudy) -> Option<String> {
         return None;
     }
     let kept = study.errors_before.kept.is_some();
-    let of = |errors: &calibration::ErrorPair| {
+    let of = |errors: &inference::ErrorPair| {
         let errors = errors
             .kept
             .as_ref()
@@ -291,7 +291,7 @@ fn next(study: &ResidualStudy) -> Option<String> {
 mod tests {
     use super::answer;
     use crate::test_residual::twins;
-    use residual_diagnosis::{DeclaredResult, Limit, Verdict};
+    use inference::diagnosis::{DeclaredResult, Limit, Verdict};
     use std::collections::BTreeMap;
 
     /// The first screen of a named effect: what, how sure, errors, parameters, and no empty line.

@@ -1,7 +1,7 @@
 //! The points of a design with their runs.
 
 use crate::numbers::digits;
-use calibration::ModelSurfaces;
+use inference::ModelSurfaces;
 
 /// A point and the runs made there.
 #[derive(Debug)]

@@ -4,7 +4,7 @@ use crate::ReportInput;
 use crate::measurement_rows::{place, role_name};
 use crate::numbers::{decimals_of, observable, shown_unit};
 use crate::pictures::surface_charts::measured;
-use calibration::Measurement;
+use inference::Measurement;
 use report::{
     ExploredPrediction, ExploredSurface, ExploredTarget, Explorer, NamedPlace, SliderParameter,
 };

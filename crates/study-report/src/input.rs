@@ -1,8 +1,8 @@
 //! What a report is made of.
 
-use calibration::{Calibration, CalibrationProblem, Parameter, ResidualStudy};
-use residual_diagnosis::TrialRow;
-use run_store::Record;
+use campaign::run_store::Record;
+use inference::diagnosis::TrialRow;
+use inference::{Calibration, CalibrationProblem, Parameter, ResidualStudy};
 use scene::{FillingLibrary, Scene, TimeSpent};
 use std::collections::BTreeMap;
 

@@ -1,6 +1,6 @@
 //! The result of a study as a report page, tables and pictures.
 //!
-//! [`write()`] shows a [`calibration::Calibration`]: the error of every measurement before and after, the parameters,
+//! [`write()`] shows a [`inference::Calibration`]: the error of every measurement before and after, the parameters,
 //! what the measurements fix and what they leave open, and how that was found. [`write_diagnosis`] shows the study of
 //! a residual alone. Nothing is simulated or fitted here, and no file is read: everything comes in the input.
 //!

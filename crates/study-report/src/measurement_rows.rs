@@ -1,7 +1,7 @@
 //! Every measurement beside what was simulated before and after.
 
 use crate::ReportInput;
-use calibration::{Comparison, Measurement, Model, Role, WithEffects};
+use inference::{Comparison, Measurement, Model, Role, WithEffects};
 use std::collections::BTreeMap;
 
 /// A measurement with its comparisons.

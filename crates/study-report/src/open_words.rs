@@ -1,7 +1,7 @@
 //! What the measurements leave open, in words.
 
 use crate::numbers::{digits, signed};
-use calibration::{Estimate, OpenCombination};
+use inference::{Estimate, OpenCombination};
 
 /// Weights below this are not named: such a parameter moves by less than a tenth of the length of the combination.
 const NAMED_WEIGHT: f64 = 0.1;
@@ -76,7 +76,7 @@ fn fixed_part(a: &Estimate, b: &Estimate, slope: f64) -> String {
 mod tests {
     use super::open_in_words;
     use crate::test_input::estimate;
-    use calibration::{Estimate, OpenCombination};
+    use inference::{Estimate, OpenCombination};
     use std::collections::BTreeMap;
 
     /// Three parameters whose limits are 1.5, 1.5 and 0.5 wide.

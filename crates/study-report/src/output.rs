@@ -84,7 +84,7 @@ fn write_parts(folder: &Path, pictures: &[NamedPicture], tables: &[CsvTable]) ->
 
 /// Writes a file, whole or not at all.
 fn put(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    run_store::write_whole(path, bytes).map_err(refused(path))
+    campaign::run_store::write_whole(path, bytes).map_err(refused(path))
 }
 
 /// Makes an error of a file that cannot be written.

@@ -12,7 +12,7 @@ pub(crate) mod surface_charts;
 
 use crate::output::DIAGNOSIS;
 use crate::{Error, ReportInput};
-use calibration::DiagnosisStage;
+use inference::DiagnosisStage;
 use report::Svg;
 
 /// Contents of a picture.

@@ -1,7 +1,7 @@
 //! What charts, tables and text of a residual study share.
 
 use super::numbers::digits;
-use calibration::{AddedEffect, ErrorPair, RealErrors, ResidualStudy, StudyCondition};
+use inference::{AddedEffect, ErrorPair, RealErrors, ResidualStudy, StudyCondition};
 use report::Role;
 
 /// A condition in words, short.
@@ -90,7 +90,7 @@ fn amplitudes(added: &AddedEffect) -> String {
 #[cfg(test)]
 mod tests {
     use super::condition_name;
-    use calibration::StudyCondition;
+    use inference::StudyCondition;
     use std::collections::BTreeMap;
 
     #[test]

@@ -2,9 +2,9 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use campaign::run_store::Record;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use report::{ViewerBody, ViewerSphere};
-use run_store::Record;
 use serde_json::Value;
 
 /// The seeds of a frame, lengths in m.
@@ -111,7 +111,7 @@ fn floats(text: &Value) -> Option<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::RunDetails;
-    use run_store::Record;
+    use campaign::run_store::Record;
     use serde_json::json;
 
     #[test]

@@ -14,7 +14,7 @@ pub(crate) use csv::CsvTable;
 use crate::output::DIAGNOSIS;
 use crate::unit_of_name::split_unit;
 use crate::{Error, ReportInput};
-use calibration::DiagnosisStage;
+use inference::DiagnosisStage;
 
 /// All tables of a calibration; one that would have no row is left out.
 pub(crate) fn tables(input: &ReportInput<'_>) -> Result<Vec<CsvTable>, Error> {

@@ -2,14 +2,14 @@
 
 use crate::test_surfaces::{screening, surfaces};
 use crate::{ComparedValue, ReportInput};
-use calibration::{
+use campaign::run_store::Record;
+use dev_support::fixture_files::fixture;
+use inference::{
     Calibration, CalibrationProblem, Comparison, ConfirmationRound, ConfirmationRow,
     DiagnosisStage, Estimate, FitTest, JointEstimate, JointPrediction, LoopSettings, MeasuredMean,
     Measurement, Model, OpenCombination, Parameter, Prior, Role, SearchBox, SimulatedMean,
     SolutionSet, StageCost,
 };
-use fixture_files::fixture;
-use run_store::Record;
 use scene::{FillingLibrary, PhaseTimes, Scene, TimeSpent};
 use std::collections::BTreeMap;
 

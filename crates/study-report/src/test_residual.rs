@@ -1,11 +1,11 @@
 //! The study of a residual that two effects explain alike, for the tests.
 
-use calibration::{
+use campaign::run_store::{Observation, Store};
+use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
+use inference::{
     EffectProbe, Observed, ResidualPlan, ResidualStudy, StudyCondition, study_residual,
 };
-use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
-use random_stream::Stream;
-use run_store::{Observation, Store};
+use probability::random_stream::Stream;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 

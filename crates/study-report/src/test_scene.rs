@@ -2,8 +2,8 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use campaign::run_store::{Observation, Record};
 use image::codecs::png::PngEncoder;
-use run_store::{Observation, Record};
 use scene::Scene;
 use serde_json::json;
 use std::path::Path;
@@ -69,7 +69,7 @@ pub(crate) fn drum(folder: &Path) -> Scene {
 
 /// A frame as PNG.
 pub(crate) fn frame() -> Vec<u8> {
-    let picture = drawn_pictures::Scene::default().draw();
+    let picture = dev_support::drawn_pictures::Scene::default().draw();
     let mut bytes = Vec::new();
     picture
         .write_with_encoder(PngEncoder::new(&mut bytes))

@@ -4,11 +4,11 @@
 use crate::test_input::{Example, measured};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use calibration::{CalibrationProblem, LoopSettings, Model, Parameter, Role, calibrate};
+use campaign::run_store::{Lookup, Observation, Store};
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
-use fixture_files::fixture;
-use random_stream::Stream;
-use run_store::{Lookup, Observation, Store};
+use dev_support::fixture_files::fixture;
+use inference::{CalibrationProblem, LoopSettings, Model, Parameter, Role, calibrate};
+use probability::random_stream::Stream;
 use scene::FillingLibrary;
 use serde_json::json;
 use std::collections::BTreeMap;

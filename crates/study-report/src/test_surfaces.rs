@@ -1,7 +1,7 @@
 //! Surfaces and a screening of made-up runs, for the tests.
 
-use calibration::{LeftOut, ModelScreening, ModelSurfaces};
 use experiment_design::{Factor, plackett_burman};
+use inference::{LeftOut, ModelScreening, ModelSurfaces};
 use response_surface::{Fit, Observations, fit, screen};
 use std::collections::BTreeMap;
 

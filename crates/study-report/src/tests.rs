@@ -12,7 +12,7 @@ use crate::test_input::{Example, example};
 use crate::test_residual::twins;
 use crate::test_scene::frame;
 use crate::{Extent, write};
-use calibration::{Comparison, DiagnosisStage, InputEstimate, Role, WithEffects};
+use inference::{Comparison, DiagnosisStage, InputEstimate, Role, WithEffects};
 use std::collections::BTreeMap;
 
 /// The page of an example.

@@ -11,12 +11,12 @@ mod motions;
 mod records;
 mod small_drum;
 
+use campaign::run_store::{Record, Store};
 use campaign::{Campaign, LineProgress, RunRequest};
 use motions::forms;
 use records::{folder_and_runs, mean_and_error};
-use run_store::{Record, Store};
 use scene::Scene;
-use scene_simulator::{Binding, SceneSimulator};
+use simulators::scene_simulator::{Binding, SceneSimulator};
 use small_drum::small_drum;
 use std::collections::BTreeMap;
 use std::error::Error;

@@ -12,15 +12,15 @@
 
 mod records;
 
-use calibration::Role;
+use campaign::run_store::Store;
 use campaign::{Campaign, LineProgress, RunRequest};
 use experiment_design::Factor;
+use inference::Role;
 use probability::t_two_sided_quantile;
 use records::{folder_and_runs, mean_and_error};
 use response_surface::{Model, Observations, fit};
-use run_store::Store;
 use scene::Scene;
-use scene_simulator::{Binding, SceneSimulator};
+use simulators::scene_simulator::{Binding, SceneSimulator};
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;

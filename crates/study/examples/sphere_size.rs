@@ -10,11 +10,11 @@
 
 mod records;
 
+use campaign::run_store::Store;
 use campaign::{Campaign, LineProgress, RunRequest};
 use records::{folder_and_runs, mean_and_error};
-use run_store::Store;
 use scene::{Override, Scene};
-use scene_simulator::SceneSimulator;
+use simulators::scene_simulator::SceneSimulator;
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;

@@ -11,10 +11,10 @@
 mod records;
 mod small_drum;
 
+use campaign::run_store::{Record, Store};
 use campaign::{Campaign, LineProgress, RunRequest};
 use records::{folder_and_runs, mean_and_error};
-use run_store::{Record, Store};
-use scene_simulator::{Binding, NOT_STEADY, RunDetails, SceneSimulator};
+use simulators::scene_simulator::{Binding, NOT_STEADY, RunDetails, SceneSimulator};
 use small_drum::small_drum;
 use std::collections::BTreeMap;
 use std::error::Error;

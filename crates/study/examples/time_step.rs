@@ -17,11 +17,11 @@
 mod records;
 mod small_drum;
 
+use campaign::run_store::{Record, Store};
 use campaign::{Campaign, RunRequest, Silent};
 use records::{folder_and_runs, mean_and_error};
-use run_store::{Record, Store};
 use scene::{Apparatus, Drop, Scene, Slider, Tilt};
-use scene_simulator::{Binding, RunDetails, SceneSimulator};
+use simulators::scene_simulator::{Binding, RunDetails, SceneSimulator};
 use small_drum::{scene_with, small_drum};
 use std::collections::BTreeMap;
 use std::error::Error;

@@ -16,12 +16,12 @@
 mod records;
 mod small_drum;
 
+use campaign::run_store::Store;
 use campaign::{Campaign, RunRequest, Silent};
-use quantity::Angle;
+use input::quantity::Angle;
 use records::{folder_and_runs, mean_and_error, mean_and_error_of_all};
-use run_store::Store;
 use scene::{LiquidSettings, Override, Scene};
-use scene_simulator::{Binding, SceneSimulator};
+use simulators::scene_simulator::{Binding, SceneSimulator};
 use small_drum::small_drum;
 use std::collections::BTreeMap;
 use std::error::Error;

@@ -4,7 +4,7 @@ use crate::document::{Document, below};
 use crate::file::{CandidateEntry, ParameterEntry, StudyFile};
 use crate::problem::Problems;
 use crate::scenes::{Models, Scenes, condition_text};
-use calibration::{Candidate, Measurement, Model};
+use inference::{Candidate, Measurement, Model};
 use scene::OBSERVABLES_OF_A_BED;
 use std::collections::{BTreeMap, BTreeSet};
 

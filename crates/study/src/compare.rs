@@ -11,7 +11,7 @@
 
 use crate::file::CompareEntry;
 use crate::scenes::model_name;
-use calibration::{Calibration, CalibrationProblem, Comparison, Model};
+use inference::{Calibration, CalibrationProblem, Comparison, Model};
 use serde::Serialize;
 use std::collections::BTreeMap;
 

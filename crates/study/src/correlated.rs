@@ -5,7 +5,7 @@ use crate::file::{MeasuredCorrelation, MeasuredEntry};
 use crate::measured::words;
 use crate::photos::PhotoSeries;
 use crate::problem::Problems;
-use calibration::{Correlation, Measurement};
+use inference::{Correlation, Measurement};
 
 /// The correlations of an entry by the numbers of its measurements; what the file states stands before what photos tell.
 ///

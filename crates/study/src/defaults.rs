@@ -1,6 +1,6 @@
 //! What the study file left out, and what stands in its place.
 
-use calibration::LoopSettings;
+use inference::LoopSettings;
 use serde::Serialize;
 use toml::Table;
 

@@ -14,15 +14,15 @@ mod rows;
 
 use crate::Error;
 use crate::problem::{Problem, Problems};
+use campaign::run_store::{Record, Store};
 use campaign::{Campaign, RunRequest, Simulator};
 use columns::Columns;
 use experiment_design::Factor;
 use experiment_design::table::{Table, factors_from_table};
 use rows::Asked;
-use run_store::{Record, Store};
 use scene::{Override, Scene};
-use scene_simulator::{Binding, SceneSimulator, read_scene};
 use serde::{Deserialize, Serialize};
+use simulators::scene_simulator::{Binding, SceneSimulator, read_scene};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -102,7 +102,7 @@ impl DesignTable {
         let mut problems = Problems::default();
         let (scene, warnings) = scene_of(choices, &mut problems)?;
         let factors = factors_of(choices)?;
-        let table = table_file::read(&choices.design)?;
+        let table = command_line::table_file::read(&choices.design)?;
         let columns = Columns::read(choices, &table, &scene, &factors, &mut problems);
         let Asked {
             models,
@@ -198,8 +198,16 @@ impl DesignTable {
     /// The files that the runs follow from: table, scene, meshes, factors, parameters.
     pub fn input_files(&self) -> Vec<PathBuf> {
         let choices = &self.choices;
-        let mut files = vec![table_file::file_of(&choices.design), choices.scene.clone()];
-        files.extend(choices.factors.as_deref().map(table_file::file_of));
+        let mut files = vec![
+            command_line::table_file::file_of(&choices.design),
+            choices.scene.clone(),
+        ];
+        files.extend(
+            choices
+                .factors
+                .as_deref()
+                .map(command_line::table_file::file_of),
+        );
         files.extend(choices.set_file.clone());
         for scene in self.models.values() {
             for mesh in scene.shape_files() {
@@ -245,15 +253,16 @@ fn factors_of(choices: &DesignChoices) -> Result<BTreeMap<String, Factor>, Error
     let Some(path) = &choices.factors else {
         return Ok(BTreeMap::new());
     };
-    let factors =
-        factors_from_table(&table_file::read(path)?).map_err(|error| Error::Problems {
+    let factors = factors_from_table(&command_line::table_file::read(path)?).map_err(|error| {
+        Error::Problems {
             list: vec![Problem {
                 file: path.display().to_string(),
                 line: None,
                 what: "as a table of factors:".to_owned(),
                 problem: error.to_string(),
             }],
-        })?;
+        }
+    })?;
     let by_symbol = factors.into_iter().map(|f| (f.symbol().to_owned(), f));
     Ok(by_symbol.collect())
 }

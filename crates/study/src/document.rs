@@ -1,7 +1,7 @@
 //! A TOML file with the lines of its keys, and its tables read key by key.
 
 use crate::problem::{Problem, Problems};
-use input_file::toml_slip;
+use input::file::toml_slip;
 use serde::de::DeserializeOwned;
 use std::collections::{BTreeMap, BTreeSet};
 use toml::de::{DeTable, DeValue};

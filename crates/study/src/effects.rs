@@ -1,9 +1,9 @@
 //! Effects that the diagnosis may search.
 
 use crate::scenes::{Models, Scenes};
-use calibration::{EffectProbe, Measurement, Role};
-use effect_library::{Effect, apply, find, names};
+use inference::{EffectProbe, Measurement, Role};
 use scene::Scene;
+use simulators::effects::{Effect, apply, find, names};
 use std::collections::BTreeMap;
 
 /// Halvings of a range until its end is known well enough.

@@ -49,25 +49,25 @@ pub enum Error {
     },
     /// A table is refused.
     #[error(transparent)]
-    Table(#[from] table_file::Error),
+    Table(#[from] command_line::table_file::Error),
     /// A scene is refused.
     #[error(transparent)]
     Scene(Box<scene::Error>),
     /// The simulator is refused.
     #[error(transparent)]
-    Simulator(Box<scene_simulator::Error>),
+    Simulator(Box<simulators::scene_simulator::Error>),
     /// Another code is no simulator.
     #[error(transparent)]
-    External(#[from] external_simulator::Error),
+    External(#[from] simulators::external_simulator::Error),
     /// A stage of the calibration failed.
     #[error(transparent)]
-    Calibration(#[from] calibration::Error),
+    Calibration(#[from] inference::Error),
     /// The runs of a design table came to no end.
     #[error(transparent)]
     Campaign(#[from] campaign::Error),
     /// The run store cannot be used.
     #[error(transparent)]
-    Store(#[from] run_store::Error),
+    Store(#[from] campaign::run_store::Error),
 }
 
 // Boxed: these two are much larger than the others, and every result of a study carries room for the largest.
@@ -77,8 +77,8 @@ impl From<scene::Error> for Error {
     }
 }
 
-impl From<scene_simulator::Error> for Error {
-    fn from(error: scene_simulator::Error) -> Self {
+impl From<simulators::scene_simulator::Error> for Error {
+    fn from(error: simulators::scene_simulator::Error) -> Self {
         Self::Simulator(Box::new(error))
     }
 }

@@ -1,13 +1,13 @@
 //! What other programs take over: the parameters as a file of settings, and the drums as decks.
 
 use crate::{Error, Study, StudyResult};
-use calibration::{Calibration, Estimate};
 use command_line::{Overwrite, write_new};
-use exchange::vtk::File;
-use exchange::{add_warnings, lammps, liggghts};
+use inference::{Calibration, Estimate};
 use scene::{Apparatus, FillingLibrary, Scene, starting_frame};
-use scene_simulator::{CalibratedEffect, CalibratedParameter, ParameterFile};
 use serde::Serialize;
+use simulators::exchange::vtk::File;
+use simulators::exchange::{add_warnings, lammps, liggghts};
+use simulators::scene_simulator::{CalibratedEffect, CalibratedParameter, ParameterFile};
 use std::path::{Path, PathBuf};
 
 /// The parameters as a file that `--set-file` reads; it does not say yet whether they meet the measurements.
@@ -102,7 +102,7 @@ fn lammps_deck(
     scene: &Scene,
     fillings: &FillingLibrary,
     seed: u64,
-) -> Result<Vec<File>, exchange::Error> {
+) -> Result<Vec<File>, simulators::exchange::Error> {
     let (frame, bodies, time_step) = starting_frame(scene, fillings, seed)?;
     lammps::deck(scene, &bodies, &frame, time_step)
 }
@@ -112,7 +112,7 @@ fn liggghts_deck(
     scene: &Scene,
     fillings: &FillingLibrary,
     seed: u64,
-) -> Result<Vec<File>, exchange::Error> {
+) -> Result<Vec<File>, simulators::exchange::Error> {
     let (_, bodies, time_step) = starting_frame(scene, fillings, seed)?;
     liggghts::deck(scene, &bodies, time_step, seed)
 }
@@ -139,10 +139,11 @@ pub fn write_json(path: &Path, result: &impl Serialize) -> Result<(), Error> {
 ///
 /// A result that has no form in JSON, a file that cannot be written.
 pub fn write_result(path: &Path, result: &impl Serialize, clock: &[&str]) -> Result<(), Error> {
-    let bytes = run_store::seal_without(result, clock).map_err(|source| Error::Write {
-        path: path.to_owned(),
-        reason: source.to_string(),
-    })?;
+    let bytes =
+        campaign::run_store::seal_without(result, clock).map_err(|source| Error::Write {
+            path: path.to_owned(),
+            reason: source.to_string(),
+        })?;
     write(path, &bytes)
 }
 

@@ -2,8 +2,8 @@
 
 use crate::price::mean_core_seconds;
 use crate::{Error, Study};
-use calibration::DiagnosisStage;
-use run_store::Store;
+use campaign::run_store::Store;
+use inference::DiagnosisStage;
 use serde::Serialize;
 use std::fmt::Write as _;
 

@@ -7,10 +7,10 @@ use crate::limits::{LEAST_RATIO, MOST, physical_limits};
 use crate::problem::{Problem, Problems};
 use crate::scenes::Models;
 use crate::setting::{change, leaf, number, paths, table_of};
-use calibration::{MOST_PARAMETERS, Parameter};
 use experiment_design::Factor;
-use external_simulator::Peer;
+use inference::{MOST_PARAMETERS, Parameter};
 use scene::{FillingLibrary, Scene, like_names};
+use simulators::external_simulator::Peer;
 use toml::Table;
 
 /// Refuses counts, symbols and paths that stand there twice.

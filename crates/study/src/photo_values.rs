@@ -2,8 +2,8 @@
 
 use crate::file::{MeasuredCorrelation, MeasuredEntry, MeasuredValue};
 use crate::photos::{FrameValues, PhotoSeries};
+use input::quantity::significant;
 use photo_profile::SelectionBias;
-use quantity::significant;
 use surface_profile::{
     Avalanches, SeriesSummary, avalanches, correlation_time, longest_unbroken, shrunk_correlations,
     summarise,

@@ -2,11 +2,11 @@
 
 use crate::Error;
 use crate::file::Budget;
-use calibration::{CoarseGraining, PlannedStage, RunList};
+use campaign::run_store::{Lookup, Record, Store};
 use campaign::{RunRequest, Simulator};
-use run_store::{Lookup, Record, Store};
-use scene_simulator::{RunDetails, SECONDS_PER_COST, TimingDetails};
+use inference::{CoarseGraining, PlannedStage, RunList};
 use serde::Serialize;
+use simulators::scene_simulator::{RunDetails, SECONDS_PER_COST, TimingDetails};
 
 /// What a stage would cost.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -219,9 +219,9 @@ mod tests {
     use super::{SECONDS_PER_COST, most_runs, of};
     use crate::Budget;
     use crate::spent::{Spending, core_seconds};
-    use calibration::{PlannedStage, RunList};
+    use campaign::run_store::{Record, Store};
     use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
-    use run_store::{Record, Store};
+    use inference::{PlannedStage, RunList};
 
     /// A run of model m costs 3.
     struct Three;

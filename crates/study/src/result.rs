@@ -3,8 +3,8 @@
 use crate::compare::ComparedValue;
 use crate::defaults::DefaultUsed;
 use crate::next::NextRow;
-use calibration::{Calibration, DiagnosisStage};
-use run_store::Record;
+use campaign::run_store::Record;
+use inference::{Calibration, DiagnosisStage};
 use scene::TimeSpent;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
@@ -52,7 +52,7 @@ struct Cost<'a> {
     #[serde(flatten)]
     spent: TimeSpent,
     /// By stage.
-    stages: &'a [calibration::StageCost],
+    stages: &'a [inference::StageCost],
 }
 
 /// The keys that are no part of the calibration.

@@ -6,9 +6,9 @@ use crate::price::{self, Price, StagePrice};
 use crate::run_remarks;
 use crate::spent::Spending;
 use crate::{DiagnosisResult, Error, Study, StudyResult, StudySimulator};
-use calibration::{Calibration, LoopSettings};
+use campaign::run_store::{Lookup, Record, Store};
 use campaign::{Campaign, Executor, Pace, Progress, Simulator};
-use run_store::{Lookup, Record, Store};
+use inference::{Calibration, LoopSettings};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -54,10 +54,10 @@ impl std::fmt::Debug for RunSettings<'_> {
 pub fn plan_study(study: &Study, seed: u64, folder: &Path) -> Result<Price, Error> {
     let simulator = study.simulator(folder)?;
     let within = study.settings_within(&simulator, seed)?;
-    let stages = calibration::planned(&study.problem, &within)?;
+    let stages = inference::planned(&study.problem, &within)?;
     let store = store_of(folder)?;
     let price = price::of(&simulator, &stages, study.budget, store.as_ref())?;
-    calibration::within_budget(&stages, &within)?;
+    inference::within_budget(&stages, &within)?;
     Ok(Price {
         most_runs: within.most_runs,
         cannot_be_met: study.problem.cannot_be_met(),
@@ -92,14 +92,14 @@ pub struct DiagnosisPrice {
 pub fn plan_diagnosis(study: &Study, seed: u64, folder: &Path) -> Result<DiagnosisPrice, Error> {
     let simulator = study.simulator(folder)?;
     let within = study.settings_within(&simulator, seed)?;
-    let needed = calibration::most_runs_of_diagnosis(&study.problem, &within);
-    let candidates = calibration::most_runs_of_candidates(&study.problem, &within);
+    let needed = inference::most_runs_of_diagnosis(&study.problem, &within);
+    let candidates = inference::most_runs_of_candidates(&study.problem, &within);
     let at_candidates = match within.most_runs {
         Some(most) if most < needed => return Err(Error::Budget { most, needed }),
         Some(most) if most < needed + candidates => 0,
         _ => candidates,
     };
-    let stage = calibration::planned_diagnosis(&study.problem, &within, 0);
+    let stage = inference::planned_diagnosis(&study.problem, &within, 0);
     let store = store_of(folder)?;
     let mut price = price::of(
         &simulator,
@@ -133,7 +133,7 @@ pub fn run_study(
     let campaign = settings.campaign(&store, &pace);
     let within = study.settings_within(simulator, settings.seed)?;
     let mut calibration =
-        calibration::calibrate(&campaign, simulator, &study.problem, &within, announce)?;
+        inference::calibrate(&campaign, simulator, &study.problem, &within, announce)?;
     let records = records_of(&store, &calibration)?;
     let of_photos = study.photos.iter().flat_map(|series| &series.left_out);
     calibration.remarks.extend(of_photos.cloned());
@@ -192,7 +192,7 @@ pub fn run_diagnosis(
         0 => study.problem.without_candidates(),
         _ => study.problem.clone(),
     };
-    let diagnosis = calibration::diagnose_at(&campaign, &simulator, &problem, &within, at)?;
+    let diagnosis = inference::diagnose_at(&campaign, &simulator, &problem, &within, at)?;
     let next = next::table(study, &diagnosis, &store)?;
     let symbols = study.problem.parameters.iter().map(|p| p.symbol.clone());
     Ok(DiagnosisResult {
@@ -232,7 +232,7 @@ impl Study {
     /// The settings of the loop with the seed of a run and the number of runs that the budget allows.
     fn settings_within(&self, simulator: &dyn Simulator, seed: u64) -> Result<LoopSettings, Error> {
         let with_seed = self.settings_with(seed);
-        let stages = calibration::planned(&self.problem, &with_seed)?;
+        let stages = inference::planned(&self.problem, &with_seed)?;
         let most_runs = price::of(simulator, &stages, self.budget, None)?.most_runs;
         Ok(LoopSettings {
             most_runs,

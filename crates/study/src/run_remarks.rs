@@ -1,9 +1,9 @@
 //! What a reader should know of the runs behind a result, as their records tell it.
 
 use crate::scenes::model_name;
-use calibration::{Calibration, Comparison};
-use run_store::Record;
-use scene_simulator::{RunDetails, unread_frames};
+use campaign::run_store::Record;
+use inference::{Calibration, Comparison};
+use simulators::scene_simulator::{RunDetails, unread_frames};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Remarks on the runs at the estimate, by model.
@@ -40,7 +40,7 @@ fn of_model(model: &str, details: &[RunDetails]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::of_model;
-    use scene_simulator::RunDetails;
+    use simulators::scene_simulator::RunDetails;
 
     /// A run with nine angles and so many frames without a surface, and what was said of its files.
     fn run(refused: usize, remarks: &[&str]) -> RunDetails {

@@ -4,9 +4,9 @@ use crate::document::Document;
 use crate::file::{Choices, ParameterEntry, SceneEntry, SimulatorEntry, StudyFile};
 use crate::problem::{Problem, Problems};
 use crate::setting::{change, leaf, table_of};
-use calibration::Model;
-use external_simulator::Peer;
+use inference::Model;
 use scene::{Apparatus, FillingLibrary, Override, Scene};
+use simulators::external_simulator::Peer;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -215,7 +215,8 @@ impl Models {
         if let Some(effect) = &entry.effect {
             let mut scene = scene.clone();
             // A scene that cannot carry an effect does not have it.
-            effect_library::apply(&mut scene, effect, value, &FillingLibrary::default()).ok()?;
+            simulators::effects::apply(&mut scene, effect, value, &FillingLibrary::default())
+                .ok()?;
             return Some(Ok(scene));
         }
         let table = table_of(scene);

@@ -1,6 +1,8 @@
 //! Settings of a scene as numbers, in the unit that a parameter states.
 
-use quantity::{Angle, AngularSpeed, Density, Frequency, Length, Mass, Pressure, Speed, Time};
+use input::quantity::{
+    Angle, AngularSpeed, Density, Frequency, Length, Mass, Pressure, Speed, Time,
+};
 use scene::{Override, Scene, setting_at};
 use toml::{Table, Value};
 

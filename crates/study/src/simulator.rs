@@ -1,10 +1,10 @@
 //! What does the runs of a study.
 
 use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
-use external_simulator::{CommandSimulator, PeerSimulator};
 use scene::FillingLibrary;
-use scene_simulator::SceneSimulator;
 use serde_json::Value;
+use simulators::external_simulator::{CommandSimulator, PeerSimulator};
+use simulators::scene_simulator::SceneSimulator;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 

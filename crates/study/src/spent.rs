@@ -2,9 +2,9 @@
 
 use crate::Error;
 use crate::price::of_core;
-use run_store::{Lookup, Store};
+use campaign::run_store::{Lookup, Store};
 use scene::{PhaseTimes, TimeSpent};
-use scene_simulator::RunDetails;
+use simulators::scene_simulator::RunDetails;
 use std::time::Instant;
 
 /// Takes the cost of a call.

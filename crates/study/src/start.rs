@@ -1,7 +1,7 @@
 //! Parameters from which a diagnosis starts.
 
 use crate::{Error, Study};
-use scene_simulator::ParameterFile;
+use simulators::scene_simulator::ParameterFile;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -50,7 +50,7 @@ impl Study {
             file: file.display().to_string(),
             problem,
         };
-        let one = |p: &calibration::Parameter| {
+        let one = |p: &inference::Parameter| {
             let Some((unit, value)) = found.get(&p.symbol) else {
                 if p.is_input {
                     return Ok(p.start);
@@ -86,7 +86,7 @@ type Values = BTreeMap<String, (String, f64)>;
 
 /// Those of a `result.json`.
 fn of_result(file: &Path) -> Result<Values, Error> {
-    let bytes = input_file::read(file).map_err(|source| Error::Read {
+    let bytes = input::file::read(file).map_err(|source| Error::Read {
         path: file.to_owned(),
         source,
     })?;
@@ -94,7 +94,7 @@ fn of_result(file: &Path) -> Result<Values, Error> {
         file: file.display().to_string(),
         problem,
     };
-    let value = run_store::unseal(&bytes).map_err(|why| {
+    let value = campaign::run_store::unseal(&bytes).map_err(|why| {
         wrong(format!(
             "is not the result that a calibration wrote: {why}; give its parameters.toml, or calibrate again with --resume, \
              which repeats no run"

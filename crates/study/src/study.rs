@@ -17,14 +17,14 @@ use crate::problem::{Problem, Problems};
 use crate::scenes::{Models, Scenes};
 use crate::simulator::StudySimulator;
 use crate::{Error, inputs, plausible};
-use calibration::{
+use inference::{
     CalibrationProblem, Candidate, CoarseGraining, EffectProbe, LoopSettings, Model, Parameter,
 };
-use external_simulator::{
+use scene::Scene;
+use simulators::external_simulator::{
     CommandModel, CommandSettings, CommandSimulator, PeerSettings, PeerSimulator,
 };
-use scene::Scene;
-use scene_simulator::{Binding, SceneSimulator};
+use simulators::scene_simulator::{Binding, SceneSimulator};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -74,7 +74,7 @@ impl Study {
     /// [`Error::Read`] for a file that cannot be read, [`Error::Problems`] with everything that is wrong, each with file,
     /// line where it is known, key, value and the way out.
     pub fn read(path: &Path, profile: Option<&str>) -> Result<Self, Error> {
-        let text = input_file::read_text(path).map_err(|source| Error::Read {
+        let text = input::file::read_text(path).map_err(|source| Error::Read {
             path: path.to_owned(),
             source,
         })?;
@@ -566,7 +566,7 @@ impl Checker<'_> {
         if self.problems.count() > 0 {
             return;
         }
-        if let Err(calibration::Error::Problem { lines }) = problem.check() {
+        if let Err(inference::Error::Problem { lines }) = problem.check() {
             for line in lines {
                 self.problems.add(Problem {
                     file: self.document.file.clone(),

@@ -2,7 +2,7 @@
 
 use crate::test_noise::correlated;
 use crate::{Definition, DrumCircle, Error, HighSide, SurfacePoint, measure, read_surface};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 const DRUM: DrumCircle = DrumCircle {
     x: 3.0,

@@ -89,7 +89,7 @@ mod tests {
     use super::shrunk_correlations;
     use crate::test_noise::correlated;
     use nalgebra::DMatrix;
-    use random_stream::Stream;
+    use probability::random_stream::Stream;
 
     /// Columns of n normal values of which the first two have the correlation r, and the rest none.
     fn columns(seed: u64, n: usize, p: usize, r: f64) -> Vec<Vec<f64>> {

@@ -4,7 +4,7 @@ use crate::{
     DensitySettings, Disc, DrumCircle, Error, HighSide, bulk_level, density_of_discs, measure,
     profile_from_discs,
 };
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 const DRUM: DrumCircle = DrumCircle {
     x: 0.01,

@@ -61,7 +61,7 @@ pub fn summarise(values: &[f64]) -> Result<SeriesSummary, Error> {
 mod tests {
     use super::summarise;
     use crate::test_noise::correlated;
-    use random_stream::Stream;
+    use probability::random_stream::Stream;
 
     /// Independent values: `n_effective` is at least two thirds of n, as chance correlation only
     /// ever lowers it (its standard deviation is about 10 % for n = 400).

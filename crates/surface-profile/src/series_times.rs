@@ -168,7 +168,7 @@ fn falls(values: &[f64], least: f64) -> Vec<Fall> {
 mod tests {
     use super::{avalanches, correlation_time, longest_unbroken};
     use crate::test_noise::correlated;
-    use random_stream::Stream;
+    use probability::random_stream::Stream;
 
     /// Angles that rise by `rate` a second and fall by `size` within `fall` seconds, again and again, with noise.
     fn saw_tooth(

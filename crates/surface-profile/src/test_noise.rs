@@ -1,6 +1,6 @@
 //! Rough surfaces and slow series for the tests of this crate.
 
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 /// A stationary sequence with standard deviation 1 and lag correlation `rho^k`.
 pub(crate) fn correlated(stream: &mut Stream, n: usize, rho: f64) -> Vec<f64> {

@@ -4,8 +4,8 @@ use crate::build::CheckedMesh;
 use crate::orientation::{Edges, shells_of};
 use crate::winding::solid_angle_sum;
 use crate::{BoundingBox, Error, LengthUnit, TriMesh, VolumeMoments};
+use input::quantity::significant;
 use nalgebra::Vector3;
-use quantity::significant;
 
 /// A connected surface.
 #[derive(Debug, Clone, PartialEq)]

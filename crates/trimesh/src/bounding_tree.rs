@@ -6,9 +6,9 @@
 //! measured is always the whole triangle, so that the pieces decide the speed only.
 
 use crate::{BoundingBox, TriMesh};
+use geometry::triangle::area_vector;
+use geometry::triangle::{ClosestPoint, closest_point};
 use nalgebra::Vector3;
-use triangle::area_vector;
-use triangle::{ClosestPoint, closest_point};
 
 /// Pieces in a leaf.
 const LEAF: usize = 4;

@@ -11,9 +11,9 @@ use crate::weld::{Welded, joined, weld};
 use crate::{
     BoundingBox, Changes, Error, LengthUnit, MeshReport, Repair, Topology, TriMesh, Warning,
 };
+use geometry::triangle::area_vector;
 use nalgebra::{Matrix3, Vector3};
 use rustc_hash::{FxBuildHasher, FxHashSet};
-use triangle::area_vector;
 
 /// Most triangles: indices of sides then have 32 bits. A file of them has 25 gigabytes.
 const MOST_TRIANGLES: usize = 500_000_000;

@@ -2,8 +2,8 @@
 
 use crate::BoundingBox;
 use crate::winding::solid_angle_sum;
+use geometry::triangle::area_vector;
 use nalgebra::Vector3;
-use triangle::area_vector;
 
 /// Triangles that are compared all with all; 16 to 64 take about equally long.
 const LEAF: usize = 32;
@@ -271,7 +271,7 @@ fn folded_share(vertices: &[Vector3<f64>], triangles: &[[usize; 3]]) -> f64 {
 mod tests {
     use super::{Crossings, crossing_point};
     use nalgebra::Vector3;
-    use random_stream::Stream;
+    use probability::random_stream::Stream;
 
     /// Loose triangles of mixed size: the halving finds the pairs that the comparison of all with
     /// all finds.

@@ -3,8 +3,8 @@
 use crate::orientation::{Edges, shells_of};
 use crate::repair::Changes;
 use crate::weld::Welded;
+use geometry::triangle::area_vector;
 use rustc_hash::FxHashSet;
-use triangle::area_vector;
 
 /// Cuts away small pieces, then the triangles at edges that still have more than two, then what
 /// fell off by that; all together at most a share of the area.

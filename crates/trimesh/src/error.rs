@@ -2,7 +2,7 @@
 
 use crate::Proposal;
 use crate::proposal::rounded_up;
-use quantity::significant;
+use input::quantity::significant;
 
 /// Why a mesh is refused.
 #[derive(Debug, thiserror::Error)]

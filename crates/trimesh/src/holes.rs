@@ -5,9 +5,9 @@ use crate::lid::triangulated;
 use crate::orientation::Edges;
 use crate::repair::{Changes, Lid};
 use crate::weld::Welded;
+use geometry::triangle::area_vector;
 use nalgebra::Vector3;
 use rustc_hash::FxHashSet;
-use triangle::area_vector;
 
 /// A hole that extends over at most this part of the mesh's diagonal is closed.
 ///

@@ -109,9 +109,9 @@ fn least_area(
 #[cfg(test)]
 mod tests {
     use super::triangulated;
+    use geometry::triangle::area_vector;
     use nalgebra::Vector3;
     use rustc_hash::FxHashSet;
-    use triangle::area_vector;
 
     fn area_of(lid: &[[usize; 3]], vertices: &[Vector3<f64>]) -> f64 {
         lid.iter()

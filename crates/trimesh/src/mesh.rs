@@ -1,9 +1,9 @@
 //! The mesh itself: vertices, triangles and what is known of them.
 
 use crate::{Error, Proposal, VolumeMoments};
+use geometry::triangle::area_vector;
 use nalgebra::Vector3;
 use serde::Serialize;
-use triangle::area_vector;
 
 /// Share of the area of folds that are let pass: a fold of 1 % of a ball's area has 0.1 % of its
 /// volume.

@@ -1,7 +1,7 @@
 //! What may be changed in a mesh on reading, and what was.
 
+use input::quantity::significant;
 use nalgebra::Vector3;
-use quantity::significant;
 use serde::Serialize;
 
 /// Share of the area that may be cut away as crumbs, unless another is asked for.

@@ -1,7 +1,7 @@
 //! What was found and repaired while a mesh was read.
 
 use crate::{BoundingBox, Changes, LengthUnit, Proposal, Rebuilt};
-use quantity::significant;
+use input::quantity::significant;
 use serde::{Serialize, Serializer};
 
 /// Longest seed that raises no question, m.

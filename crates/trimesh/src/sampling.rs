@@ -1,8 +1,8 @@
 //! Points spread evenly over a surface.
 
 use crate::TriMesh;
+use geometry::triangle::area_vector;
 use nalgebra::Vector3;
-use triangle::area_vector;
 
 /// A point of the surface with its outward normal.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,9 +3,9 @@
 use crate::bounding_tree::{BoundingTree, Nearest};
 use crate::orientation::Edges;
 use crate::{Error, TriMesh};
+use geometry::triangle::Feature;
+use geometry::triangle::area_vector;
 use nalgebra::Vector3;
-use triangle::Feature;
-use triangle::area_vector;
 
 /// Nearest point of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]

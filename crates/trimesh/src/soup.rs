@@ -40,7 +40,7 @@ impl Soup {
 /// Name and bytes of a file; an empty one is refused.
 pub(crate) fn bytes_of(path: &Path) -> Result<(String, Vec<u8>), Error> {
     let name = path.display().to_string();
-    match input_file::read(path) {
+    match input::file::read(path) {
         Ok(bytes) => Ok((name, bytes)),
         Err(source) => Err(Error::Read { path: name, source }),
     }

@@ -1,8 +1,8 @@
 //! How often a surface goes round a point: the plain inside test.
 
 use crate::TriMesh;
+use geometry::triangle::solid_angle;
 use nalgebra::Vector3;
-use triangle::solid_angle;
 
 /// Winding number of the mesh round a point: 1 inside a closed body, 0 outside.
 ///
@@ -10,7 +10,7 @@ use triangle::solid_angle;
 ///
 /// # Formula
 ///
-/// w = (1/4π) Σ Ω with the solid angles Ω of [`triangle::solid_angle`].
+/// w = (1/4π) Σ Ω with the solid angles Ω of [`geometry::triangle::solid_angle`].
 pub fn winding_number(mesh: &TriMesh, point: &Vector3<f64>) -> f64 {
     let corners = (0..mesh.triangles().len()).map(|t| mesh.corners(t));
     solid_angle_sum(point, corners) / (4.0 * std::f64::consts::PI)

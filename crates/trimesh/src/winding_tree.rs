@@ -1,9 +1,9 @@
 //! Winding numbers of many points: far triangles are summed together.
 
 use crate::winding::solid_angle_sum;
+use geometry::triangle::area_vector;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
-use triangle::area_vector;
 
 /// Triangles of a leaf, which are summed one by one.
 const LEAF: usize = 8;

@@ -6,9 +6,9 @@ use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{
     GRAVITY, clipped, cluster, collide, floor, run, settings, soft, soft_surface, thrown, world,
 };
-use clump::{Clump, MassProperties, Sphere};
 use contact_law::material;
 use dem_solver::{DashpotMass, Placement, Template};
+use geometry::clump::{Clump, MassProperties, Sphere};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 /// Free fall of bodies with 1, 2 and 9 spheres at one place.

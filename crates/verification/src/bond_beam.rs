@@ -61,7 +61,7 @@ fn loaded(
     let (mut world, mut bonds) = chain(strength)?;
     let start = world.bodies().position[N];
     // Drag near the critical one of the lowest mode, 2 x 750 per second, brings the end to rest.
-    let drag = 1500.0 * DENSITY * clump::volume_of_sphere(RADIUS);
+    let drag = 1500.0 * DENSITY * geometry::clump::volume_of_sphere(RADIUS);
     for _ in 0..40_000 {
         world.step_with(|bodies| {
             bonds.add_forces(bodies);

@@ -80,7 +80,7 @@ struct After {
 impl Case {
     /// Mass of the sphere, kg.
     fn mass(&self) -> f64 {
-        self.stuff.density * clump::volume_of_sphere(self.radius)
+        self.stuff.density * geometry::clump::volume_of_sphere(self.radius)
     }
 
     /// The surface against a material.

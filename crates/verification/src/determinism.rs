@@ -5,7 +5,7 @@ use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{GRAVITY, cluster, plane, run, settings, soft_surface, world};
 use dem_solver::{DashpotMass, Placement, Template, World};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 /// Some fifty bodies in a box.
 pub(crate) fn shaken() -> Result<World, CheckError> {

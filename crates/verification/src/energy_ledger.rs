@@ -5,7 +5,7 @@ use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{GRAVITY, clipped, cluster, plane, settings, soft_surface, world};
 use dem_solver::{DashpotMass, EnergyLedger, EnergyTerms, Placement, Shape, Template, Wall};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 /// Time of the drum, s.
 const END: f64 = 0.5;

@@ -5,8 +5,8 @@
 use crate::CheckError;
 use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{run, settings, soft_surface, world};
-use clump::{Clump, MassProperties, Sphere};
 use dem_solver::{DashpotMass, Placement, Template, World};
+use geometry::clump::{Clump, MassProperties, Sphere};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 /// Spin at the start, about no special axis, rad/s.

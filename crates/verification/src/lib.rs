@@ -63,7 +63,7 @@ pub enum CheckError {
     Contact(#[from] contact_law::Error),
     /// A body.
     #[error(transparent)]
-    Body(#[from] clump::Error),
+    Body(#[from] geometry::clump::Error),
     /// Bonds.
     #[error(transparent)]
     Bond(#[from] dem_solver::bonds::Error),

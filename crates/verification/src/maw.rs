@@ -33,7 +33,7 @@ fn turned_back(psi: f64) -> Result<([f64; 2], f64), CheckError> {
     let ratio = 2.0 * (1.0 - POISSON) / (2.0 - POISSON);
     let own = elastic(1e8, POISSON)?;
     let moduli = material::effective_moduli(&own, &own);
-    let mass = DENSITY * clump::volume_of_sphere(RADIUS);
+    let mass = DENSITY * geometry::clump::volume_of_sphere(RADIUS);
     let sliding = psi * FRICTION * APPROACH / ratio;
     let impact = Impact {
         radius: RADIUS,

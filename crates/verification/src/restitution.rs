@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 /// Rebound of a ball from the floor, and the same impact for the reference.
 fn rebound(restitution: f64, speed: f64, end: NormalForceEnd) -> Result<(f64, Impact), CheckError> {
     let moduli = material::effective_moduli(&soft()?, &soft()?);
-    let mass = DENSITY * clump::volume_of_sphere(RADIUS);
+    let mass = DENSITY * geometry::clump::volume_of_sphere(RADIUS);
     let reference = Impact {
         radius: RADIUS,
         mass,

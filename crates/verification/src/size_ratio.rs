@@ -10,7 +10,7 @@ use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{DENSITY, GRAVITY, ball, clipped, settings, soft_surface, thrown, world};
 use dem_solver::Load;
 use nalgebra::Vector3;
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 /// Radius of the large spheres, m.
 const LARGE: f64 = 5e-3;
@@ -46,7 +46,7 @@ fn passes(small: f64, friction: f64, limit: f64) -> Result<usize, CheckError> {
             Vec::new(),
             &starts,
         )?;
-        let weight = Vector3::y() * (-GRAVITY * DENSITY * clump::volume_of_sphere(small));
+        let weight = Vector3::y() * (-GRAVITY * DENSITY * geometry::clump::volume_of_sphere(small));
         while world.time() < limit && world.bodies().position[3].y > -LARGE {
             world.step_with(|bodies| bodies.load[3] += Load::of_force(&weight))?;
         }

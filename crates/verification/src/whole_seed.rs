@@ -17,13 +17,13 @@
 use crate::CheckError;
 use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{clipped, cluster, collide, floor, settings, surface, thrown};
-use clump::Clump;
 use contact_law::hertz_mindlin::damping_ratio;
 use contact_law::material::effective_moduli;
 use contact_law::{Material, hard_contact};
 use dem_solver::{
     DashpotMass, Interaction, InteractionSettings, OptionalLaws, Placement, Template, World,
 };
+use geometry::clump::Clump;
 use nalgebra::{UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 

@@ -1,12 +1,12 @@
 //! Small worlds: balls, clusters, planes, starts.
 
 use crate::CheckError;
-use clump::{Clump, Sphere, properties_of_spheres};
 use contact_law::{Material, NormalForceEnd, PairParameters};
 use dem_solver::{
     DashpotMass, Interaction, InteractionSettings, Placement, Settings, Shape, Template, Wall,
     World,
 };
+use geometry::clump::{Clump, Sphere, properties_of_spheres};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Acceleration of gravity, m/s².
@@ -164,7 +164,7 @@ pub(crate) fn collide(world: &mut World, most_steps: usize) -> Result<f64, Check
 
 /// Overlap at which a plane of the same soft material carries a ball of [`DENSITY`], m.
 pub(crate) fn resting_overlap(radius: f64, gravity: f64) -> Result<f64, CheckError> {
-    let mass = DENSITY * clump::volume_of_sphere(radius);
+    let mass = DENSITY * geometry::clump::volume_of_sphere(radius);
     let young = contact_law::material::effective_moduli(&soft()?, &soft()?).young;
     Ok((0.75 * mass * gravity / (young * radius.sqrt())).powf(2.0 / 3.0))
 }

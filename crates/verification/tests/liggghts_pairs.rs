@@ -3,7 +3,6 @@
 //! What LIGGGHTS 3.8 gave for the decks of `fixtures/liggghts-pairs` is kept here, and every test run holds the solver to it.
 //! `just liggghts-pairs` runs LIGGGHTS itself.
 
-use clump::Clump;
 use contact_law::{
     CapillaryBridge, LinearCohesion, Material, NormalForceEnd, PairParameters, ViscousBridge,
 };
@@ -11,7 +10,8 @@ use dem_solver::{
     DashpotMass, Interaction, InteractionSettings, OptionalLaws, Placement, Settings, Template,
     World,
 };
-use fixture_files::fixture;
+use dev_support::fixture_files::fixture;
+use geometry::clump::Clump;
 use nalgebra::{UnitQuaternion, Vector3};
 use std::process::Command;
 

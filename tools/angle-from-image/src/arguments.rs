@@ -198,7 +198,7 @@ impl Arguments {
 
 /// Reads numbers with commas between them.
 fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
-    quantity::numbers(text)
+    input::quantity::numbers(text)
         .ok_or_else(|| format!("\"{text}\" must be {N} finite numbers with commas, in px"))
 }
 
@@ -242,7 +242,7 @@ fn points<const N: usize>(text: &str, what: &str) -> Result<[PixelPoint; N], Str
 
 /// Reads any number of X,Y with semicolons.
 fn all_points(text: &str) -> Result<Vec<PixelPoint>, String> {
-    let places = quantity::places(text);
+    let places = input::quantity::places(text);
     let places = places.ok_or_else(|| {
         format!("\"{text}\" must be places X,Y of finite numbers with semicolons, in px")
     })?;

@@ -99,7 +99,7 @@ impl Interface {
 #[cfg(test)]
 mod tests {
     use super::{Interface, heights};
-    use drawn_pictures::Scene;
+    use dev_support::drawn_pictures::Scene;
     use photo_profile::{DrumPixels, Settings, measure_image};
 
     /// A drawn surface y = h / cos(a) + x tan(a), whose pictures are turned by 0.1 rad: its heights along the true horizontal, to half

@@ -203,7 +203,7 @@ fn report(
     };
     if let Some(file) = &arguments.csv {
         let text = csv(&output.images, settings.mode, interval.is_some());
-        let bytes = table_file::bytes_for(file, &text)?;
+        let bytes = command_line::table_file::bytes_for(file, &text)?;
         write_new(file, &bytes, arguments.common.overwrite())?;
     }
     if let Some(file) = &arguments.html {

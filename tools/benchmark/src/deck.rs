@@ -3,8 +3,8 @@
 
 use crate::seed_drum::SeedDrum;
 use crate::sphere_drum::{DENSITY, GRAVITY, RADIUS, SphereDrum};
-use exchange::vtk::File;
-use exchange::{lammps, liggghts};
+use simulators::exchange::vtk::File;
+use simulators::exchange::{lammps, liggghts};
 use std::fmt::Write as _;
 
 /// Name of the script in each folder.
@@ -66,7 +66,7 @@ pub(crate) fn of_spheres(drum: &SphereDrum, code: Code, plan: &Plan) -> Vec<File
 pub(crate) fn of_seeds(drum: &SeedDrum, code: Code, plan: &Plan) -> anyhow::Result<Vec<File>> {
     let mut scene = drum.scene.clone();
     // The seeds flow already: the shell turns from the first step on.
-    scene.protocol.settle_limit = quantity::Time::from_si(0.0)?;
+    scene.protocol.settle_limit = input::quantity::Time::from_si(0.0)?;
     let (start, step) = (drum.frame(), plan.time_step);
     let (mut files, energy) = match code {
         Code::Liggghts => {
@@ -223,7 +223,7 @@ mod tests {
     use crate::contacts::Contacts;
     use crate::seed_drum::SeedDrum;
     use crate::sphere_drum::{SphereDrum, TIME_STEP};
-    use fixture_files::fixture;
+    use dev_support::fixture_files::fixture;
     use scene::{FillingLibrary, Scene};
 
     // Values by hand for the study's materials: E = 2 G (1 + nu) = 9.1428 MPa; of two seeds

@@ -5,7 +5,7 @@ use crate::measure::{peak_memory_mib, processor_seconds};
 use crate::scenes::BenchmarkScene;
 use crate::seed_drum;
 use anyhow::Context as _;
-use drawn_pictures::Scene;
+use dev_support::drawn_pictures::Scene;
 use experiment_design::{AxialDistance, Factor, central_composite};
 use image::{DynamicImage, imageops};
 use photo_profile::{PhotoPixels, Settings, measure_photo};

@@ -8,7 +8,7 @@ use crate::seed_drum::{self, SeedDrum};
 use crate::sphere_drum::{self, SphereDrum};
 use anyhow::Context as _;
 use dem_solver::World;
-use exchange::vtk::File;
+use simulators::exchange::vtk::File;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

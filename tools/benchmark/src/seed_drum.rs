@@ -4,9 +4,9 @@ use crate::arguments::Arguments;
 use crate::measure::{Row, measure_world};
 use crate::scenes::{BenchmarkScene, SEEDS_OF_STUDY};
 use dem_solver::{Bodies, Placement, World};
+use input::quantity::Length;
 use nalgebra::Vector3;
-use quantity::Length;
-use random_stream::Stream;
+use probability::random_stream::Stream;
 use scene::{
     Apparatus, FillingLibrary, Frame, SORTED_FROM, Scene, SeedBody, running_world, settled_world,
 };

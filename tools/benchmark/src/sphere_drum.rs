@@ -5,10 +5,10 @@ use crate::contacts::Contacts;
 use crate::measure::{Row, measure_world};
 use crate::scenes::{BenchmarkScene, SPHERES_OF_TILE};
 use crate::seed_drum::{as_asked, as_in_a_run, side_by_side};
-use clump::Clump;
 use dem_solver::{DashpotMass, Placement, Settings, Shape, Template, Wall, World};
+use geometry::clump::Clump;
 use nalgebra::{UnitQuaternion, Vector3};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 use scene::Scene;
 
 /// Radius of a sphere, m: chosen so that 2000 fill a third of the study's drum.
@@ -166,7 +166,7 @@ mod tests {
     use super::{SPHERES_OF_TILE, SphereDrum, TIME_STEP, lattice};
     use crate::contacts::Contacts;
     use crate::seed_drum::side_by_side;
-    use fixture_files::fixture;
+    use dev_support::fixture_files::fixture;
     use scene::Scene;
 
     /// Copies must neither overlap nor leave the longer drum: no contact at the start, as in the

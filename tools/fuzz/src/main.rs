@@ -23,7 +23,7 @@ fuzz_target!(|bytes: &[u8]| match READER.as_str() {
     }
     "spheres" => {
         let text = String::from_utf8_lossy(bytes);
-        let _ = clump::files::read_spheres(&text, "seed.csv", 1e-3);
+        let _ = geometry::clump::files::read_spheres(&text, "seed.csv", 1e-3);
     }
     "picture" => {
         let _ = photo_profile::read_frames(&on_disk(bytes, "png"));
@@ -41,11 +41,11 @@ fuzz_target!(|bytes: &[u8]| match READER.as_str() {
         let _ = experiment_design::table::factors_from_csv(&text);
     }
     "workbook" => {
-        let _ = table_file::read(&on_disk(bytes, "xlsx"));
+        let _ = command_line::table_file::read(&on_disk(bytes, "xlsx"));
     }
     "problem" => {
-        let file = serde_json::from_slice::<residual_diagnosis::ProblemFile>(bytes);
-        let _ = file.map(residual_diagnosis::Problem::try_from);
+        let file = serde_json::from_slice::<inference::diagnosis::ProblemFile>(bytes);
+        let _ = file.map(inference::diagnosis::Problem::try_from);
     }
     "positions" => {
         // The first byte says which form the rest has.
@@ -53,21 +53,21 @@ fuzz_target!(|bytes: &[u8]| match READER.as_str() {
             return;
         };
         let ending = ["csv", "vtk", "vtp", "dump"][usize::from(form % 4)];
-        let _ = exchange::read_positions(&on_disk(rest, ending));
+        let _ = simulators::exchange::read_positions(&on_disk(rest, ending));
     }
     "record" => {
-        let _ = run_store::unseal(bytes);
-        let _ = serde_json::from_slice::<run_store::Record>(bytes);
+        let _ = campaign::run_store::unseal(bytes);
+        let _ = serde_json::from_slice::<campaign::run_store::Record>(bytes);
     }
     "state" => {
-        let _ = run_store::unseal_text("key", bytes);
+        let _ = campaign::run_store::unseal_text("key", bytes);
         let _ = serde_json::from_slice::<scene::Progress>(bytes);
     }
     "quantity" => {
         let text = String::from_utf8_lossy(bytes);
-        let _ = quantity::Length::parse(&text);
-        let _ = quantity::AngularSpeed::parse(&text);
-        let _ = quantity::Angle::parse(&text);
+        let _ = input::quantity::Length::parse(&text);
+        let _ = input::quantity::AngularSpeed::parse(&text);
+        let _ = input::quantity::Angle::parse(&text);
     }
     other => panic!("READER is '{other}', which is none of those in tools/fuzz/src/main.rs"),
 });

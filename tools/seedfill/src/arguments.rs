@@ -2,7 +2,7 @@
 
 use crate::sphere_file::format_named;
 use clap::Parser;
-use clump::files::Format;
+use geometry::clump::files::Format;
 use sphere_fill::Method;
 use std::path::PathBuf;
 use trimesh::{LengthUnit, Repair};

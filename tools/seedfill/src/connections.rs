@@ -194,7 +194,7 @@ mod tests {
     use super::Connections;
     use crate::arguments::Arguments;
     use clap::Parser as _;
-    use clump::Sphere;
+    use geometry::clump::Sphere;
     use nalgebra::Vector3;
     use sphere_fill::Connectivity;
 

@@ -18,7 +18,7 @@ pub(crate) struct Cost {
 
 impl Cost {
     /// Counts the near pairs.
-    pub(crate) fn new(spheres: &[clump::Sphere]) -> Self {
+    pub(crate) fn new(spheres: &[geometry::clump::Sphere]) -> Self {
         let near_pairs_per_contact = near_pairs_at_contact(spheres);
         let [first, each] = LINE;
         Self {

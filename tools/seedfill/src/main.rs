@@ -17,9 +17,9 @@ mod union_file;
 
 use anyhow::Context as _;
 use arguments::{Arguments, MethodName, length_in_metres};
-use clump::files::read_spheres;
-use clump::{DENSITIES, Sphere};
 use command_line::{DONE, Header, NOT_MET, significant};
+use geometry::clump::files::read_spheres;
+use geometry::clump::{DENSITIES, Sphere};
 use sphere_fill::{Connectivity, Error, FillSettings, fill, measure};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -212,7 +212,7 @@ impl Task {
 /// A file that cannot be read, a line that is no sphere.
 fn read_table(file: &Path, unit: LengthUnit) -> anyhow::Result<Vec<Sphere>> {
     let name = file.display().to_string();
-    let text = input_file::read_text(file).with_context(|| format!("cannot read {name}"))?;
+    let text = input::file::read_text(file).with_context(|| format!("cannot read {name}"))?;
     Ok(read_spheres(&text, &name, unit.in_metres())?)
 }
 

@@ -5,8 +5,8 @@ use crate::connections::bond_table;
 use crate::sphere_file::{choose_format, sphere_text};
 use crate::summary::{Measured, Summary};
 use crate::{page, preview};
-use clump::files::Format;
 use command_line::write_new;
+use geometry::clump::files::Format;
 use std::path::{Path, PathBuf};
 use trimesh::TriMesh;
 

@@ -60,7 +60,7 @@ pub(crate) fn run(arguments: &Arguments, file: &PathBuf) -> anyhow::Result<u8> {
     }
     arguments.repair()?;
     // A name of a workbook that cannot be written is refused before the work.
-    table_file::bytes_for(file, "mesh\nmesh\n")?;
+    command_line::table_file::bytes_for(file, "mesh\nmesh\n")?;
     common.try_outputs_beside(&arguments.mesh, [file])?;
     let mut meshes = Vec::new();
     for mesh in &arguments.mesh {
@@ -76,7 +76,7 @@ pub(crate) fn run(arguments: &Arguments, file: &PathBuf) -> anyhow::Result<u8> {
     let csv = table(&meshes, unit);
     write_new(
         file,
-        &table_file::bytes_for(file, &csv)?,
+        &command_line::table_file::bytes_for(file, &csv)?,
         common.overwrite(),
     )?;
     common.print(text(&meshes, unit))?;

@@ -3,7 +3,7 @@
 use crate::arguments::{Arguments, length_in_metres};
 use anyhow::{Context as _, bail, ensure};
 use image::{DynamicImage, GrayImage, ImageFormat};
-use input_file::files_in;
+use input::file::files_in;
 use photo_profile::decode_photo;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -101,7 +101,7 @@ type Slice = ([usize; 2], Vec<u16>);
 
 /// The slices in a file.
 fn slices_in(file: &Path) -> anyhow::Result<Vec<Slice>> {
-    let bytes = input_file::read(file)?;
+    let bytes = input::file::read(file)?;
     if image::guess_format(&bytes).is_ok_and(|format| format == ImageFormat::Tiff) {
         return tiff_slices(&bytes);
     }

@@ -1,8 +1,8 @@
 //! Whether given spheres can be those of a mesh.
 
 use crate::arguments::Arguments;
-use clump::Sphere;
 use command_line::significant;
+use geometry::clump::Sphere;
 use nalgebra::Vector3;
 use trimesh::{BoundingBox, LengthUnit};
 

@@ -1,6 +1,6 @@
 //! Files of spheres for other programs.
 
-use clump::files::{Body, Format, write};
+use geometry::clump::files::{Body, Format, write};
 use sphere_fill::Filling;
 use std::path::Path;
 use trimesh::LengthUnit;

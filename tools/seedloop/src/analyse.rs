@@ -501,5 +501,7 @@ fn inputs(arguments: &Arguments) -> Vec<PathBuf> {
         .into_iter()
         .chain(factors)
         .chain(points);
-    tables.map(|table| table_file::file_of(&table)).collect()
+    tables
+        .map(|table| command_line::table_file::file_of(&table))
+        .collect()
 }

@@ -6,10 +6,10 @@ use bench_test::measured::{Test, coefficients};
 use bench_test::{Summary, summarise};
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, significant};
-use quantity::Length;
+use input::quantity::Length;
 use scene::{Apparatus, Drop, FillingLibrary, RunResult, Slider, Tilt};
-use scene_simulator::ReadScene;
 use serde::Serialize;
+use simulators::scene_simulator::ReadScene;
 use std::path::{Path, PathBuf};
 
 /// Height of a drop if none is given, mm.
@@ -159,11 +159,11 @@ fn test_of(kind: Kind) -> Test {
 
 /// Reads a table.
 fn measured(kind: Kind, file: &Path) -> anyhow::Result<Report> {
-    let table = table_file::read(file)?;
+    let table = command_line::table_file::read(file)?;
     let test = test_of(kind);
     let coefficients = coefficients(test, &table).with_context(|| file.display().to_string())?;
     Ok(Report {
-        header: Header::new(None, [table_file::file_of(file)])?,
+        header: Header::new(None, [command_line::table_file::file_of(file)])?,
         origin: "measured",
         coefficient: test.coefficient(),
         put_in: None,

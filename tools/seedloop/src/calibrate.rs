@@ -116,8 +116,7 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
         common.log(|| format!("== {stage}"));
     };
     let done = run_study(&study, &simulator, &settings, &announce);
-    if let Err(study::Error::Calibration(refused @ calibration::Error::CoarseGraining { .. })) =
-        &done
+    if let Err(study::Error::Calibration(refused @ inference::Error::CoarseGraining { .. })) = &done
     {
         progress.end(watched::FINISHED);
         common.print(format!("refused: {refused}"))?;

@@ -195,7 +195,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let (inputs, files) = ([&arguments.factors], [&arguments.out]);
     arguments.common.try_outputs_beside(inputs, files)?;
     let path = &arguments.factors;
-    let table = table_file::read(path)?;
+    let table = command_line::table_file::read(path)?;
     let factors = factors_from_table(&table).with_context(|| path.display().to_string())?;
     let named = categories::named(arguments, &factors)?;
     let Made {
@@ -226,7 +226,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let evaluation = judge(arguments, &design, &levels, region)?;
     let common = &arguments.common;
     let table = categories::table(&design, &named, &of_cells);
-    let bytes = table_file::bytes_for(&arguments.out, &table)?;
+    let bytes = command_line::table_file::bytes_for(&arguments.out, &table)?;
     write_new(&arguments.out, &bytes, common.overwrite())?;
     let reach = design.reach();
     if reach > 1.0 {
@@ -338,7 +338,10 @@ fn report(
     facts: &serde_json::Value,
     evaluation: Option<&Evaluation>,
 ) -> anyhow::Result<serde_json::Value> {
-    let header = Header::new(arguments.seed, [table_file::file_of(&arguments.factors)])?;
+    let header = Header::new(
+        arguments.seed,
+        [command_line::table_file::file_of(&arguments.factors)],
+    )?;
     let rows = design.runs().iter().enumerate().map(|(i, run)| {
         json!({
             "run": i + 1,

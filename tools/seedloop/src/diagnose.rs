@@ -4,7 +4,7 @@ use crate::runner::{Retries, Runner};
 use crate::{diagnose_problem, diagnose_study};
 use anyhow::ensure;
 use command_line::{Common, DONE, Header, NOT_MET, significant};
-use residual_diagnosis::{CandidateResult, Diagnosis, Unseen, Verdict};
+use inference::diagnosis::{CandidateResult, Diagnosis, Unseen, Verdict};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -1,8 +1,8 @@
 //! Entering the folder of a campaign: its owner is told, and a machine that is too small.
 
 use anyhow::{Context as _, bail};
+use campaign::run_store::{ClaimKeeper, Entry, Store};
 use command_line::Common;
-use run_store::{ClaimKeeper, Entry, Store};
 use scene::Scene;
 use std::collections::BTreeMap;
 use std::fs;

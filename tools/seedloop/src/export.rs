@@ -4,11 +4,11 @@ use crate::simulate::read_scene;
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, try_folder, write_new};
-use exchange::vtk::File;
-use exchange::{add_warnings, csv, edem, lammps, liggghts, vtk};
 use scene::{FillingLibrary, starting_frame};
-use scene_simulator::ReadScene;
 use serde::Serialize;
+use simulators::exchange::vtk::File;
+use simulators::exchange::{add_warnings, csv, edem, lammps, liggghts, vtk};
+use simulators::scene_simulator::ReadScene;
 use std::path::PathBuf;
 
 /// A format.

@@ -98,7 +98,7 @@ pub(crate) fn runner_settings(file: Option<&Path>) -> anyhow::Result<BatchSettin
         return Ok(BatchSettings::default());
     };
     let text =
-        input_file::read_text(file).with_context(|| format!("cannot read {}", file.display()))?;
+        input::file::read_text(file).with_context(|| format!("cannot read {}", file.display()))?;
     let with = || format!("{}: [runner]", file.display());
     let WithRunner { runner } = toml::from_str(&text).with_context(with)?;
     runner.check().with_context(with)?;

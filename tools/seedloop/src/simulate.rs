@@ -10,13 +10,13 @@ use crate::runner::Retries;
 use crate::stop::Stop;
 use anyhow::{Context as _, anyhow, ensure};
 use base64::Engine as _;
+use campaign::run_store::{Lookup, Record, Store};
 use command_line::{Common, DONE, Header, NOT_MET, try_folder, write_new};
-use exchange::npz;
-use input_file::has_ending;
+use input::file::has_ending;
 use report::Report;
-use run_store::{Lookup, Record, Store};
 use scene::{Override, Progress, RunResult, Scene};
-use scene_simulator::{ReadScene, RunDetails};
+use simulators::exchange::npz;
+use simulators::scene_simulator::{ReadScene, RunDetails};
 use single_run::SingleRun;
 use state_file::{StateFile, state_files};
 use std::io::Write as _;
@@ -93,14 +93,14 @@ pub(crate) fn setting(text: &str) -> Result<Override, String> {
 /// Reads a scene with the values of a parameter file and further settings, and logs what must be known of the values.
 ///
 /// # Errors
-/// As [`scene_simulator::read_scene`].
+/// As [`simulators::scene_simulator::read_scene`].
 pub(crate) fn read_scene(
     file: &Path,
     set_file: Option<&Path>,
     set: &[Override],
     common: &Common,
 ) -> anyhow::Result<ReadScene> {
-    let read = scene_simulator::read_scene(file, set_file, set)?;
+    let read = simulators::scene_simulator::read_scene(file, set_file, set)?;
     log_warnings(&read.warnings, common);
     Ok(read)
 }

@@ -4,8 +4,8 @@ use crate::stop::Stop;
 use anyhow::Context as _;
 use batch_runner::run_task;
 use campaign::Simulator;
+use campaign::run_store::Store;
 use command_line::{Common, DONE, NOT_MET, Overwrite, write_new};
-use run_store::Store;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use study::{DesignChoices, DesignTable, Study};
@@ -72,7 +72,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
     let name = arguments.job.display();
     let text =
-        input_file::read_text(&arguments.job).with_context(|| format!("cannot read {name}"))?;
+        input::file::read_text(&arguments.job).with_context(|| format!("cannot read {name}"))?;
     let job: Job =
         serde_json::from_str(&text).with_context(|| format!("{name} is no job of --runner"))?;
     let kept = "finished runs are kept; the command that submitted the task does the others";

@@ -47,7 +47,7 @@ mod wrong_scenes;
 #[path = "command/your_material.rs"]
 mod your_material;
 
-use fixture_files::fixture;
+use dev_support::fixture_files::fixture;
 use serde_json::Value;
 use std::ffi::{OsStr, OsString};
 use std::iter;

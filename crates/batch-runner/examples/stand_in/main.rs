@@ -10,8 +10,8 @@
 mod simulator;
 
 use batch_runner::{BatchRunner, BatchSettings, run_task};
+use campaign::run_store::Store;
 use campaign::{Campaign, Silent};
-use run_store::Store;
 use simulator::{StandIn, requests};
 use std::error::Error;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! A simulator that sleeps in place of computing, and notes each of its runs.
 
+use campaign::run_store::{Observation, Record};
 use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
-use run_store::{Observation, Record};
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::time::Duration;

@@ -1,7 +1,7 @@
 //! How long bodies of many spheres are in hard contact, where many of their spheres touch at once.
 
 use super::{DURATION, Impact, duration, overlap};
-use clump::{Clump, Sphere};
+use geometry::clump::{Clump, Sphere};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
 
@@ -262,7 +262,7 @@ mod tests {
         touching, turns,
     };
     use crate::hard_contact::{BodyDashpots, Impact, duration};
-    use clump::{Clump, MassProperties, Sphere, properties_of_spheres};
+    use geometry::clump::{Clump, MassProperties, Sphere, properties_of_spheres};
     use nalgebra::{UnitQuaternion, Vector3};
 
     const RADIUS: f64 = 2e-3;

@@ -2,7 +2,7 @@
 
 use super::Error;
 use crate::Placement;
-use clump::Clump;
+use geometry::clump::Clump;
 use nalgebra::Vector3;
 
 /// A body of single spheres.

@@ -227,10 +227,10 @@ mod tests {
         DashpotMass, Interaction, InteractionSettings, Placement, Settings, Shape, Template, Wall,
         World,
     };
-    use clump::Clump;
     use contact_law::{Material, NormalForceEnd, PairParameters};
+    use geometry::clump::Clump;
     use nalgebra::{UnitQuaternion, Vector3};
-    use random_stream::Stream;
+    use probability::random_stream::Stream;
 
     /// Balls of 4 mm that fall between six walls, 12 by 16 by 30 of them: six parts.
     fn falling() -> World {

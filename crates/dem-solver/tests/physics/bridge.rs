@@ -118,7 +118,7 @@ fn heap(liquid: f64) -> World {
         ..OptionalLaws::default()
     };
     let surface = interaction(&rough(0.3, 0.3)).with(&further);
-    let mut stream = random_stream::Stream::new(3, "pour");
+    let mut stream = probability::random_stream::Stream::new(3, "pour");
     let mut starts = scattered([0.009; 3], 0.35, 0.3, &mut stream);
     for start in &mut starts {
         start.template = 0;
@@ -354,7 +354,7 @@ fn viscous_bridges_are_stable_up_to_a_step() {
             };
             interaction(&rough(0.3, 0.3)).with(&further)
         });
-        let mut stream = random_stream::Stream::new(3, "syrup");
+        let mut stream = probability::random_stream::Stream::new(3, "syrup");
         let mut starts = scattered([0.004; 3], 0.29, 0.3, &mut stream);
         for start in &mut starts {
             start.template = 0;

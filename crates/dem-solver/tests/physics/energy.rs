@@ -6,7 +6,7 @@ use crate::scene::{
 };
 use dem_solver::{DashpotMass, InteractionSettings, Placement, Template, World};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 fn no_contact(world: &World) -> bool {
     world.census().sphere_contacts + world.n_wall_contacts() == 0

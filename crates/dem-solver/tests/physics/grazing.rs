@@ -4,7 +4,7 @@
 use crate::scene::{ball, seed_and_block, settings, smooth, world};
 use dem_solver::{Placement, Settings, World, plain};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 /// Two bodies at a distance (m) along a direction.
 struct Pair {

@@ -3,7 +3,7 @@
 use crate::scene::{run, scattered, seed_and_block, settings, sticky, world};
 use dem_solver::{Placement, World};
 use nalgebra::{UnitQuaternion, Vector3};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 /// A cloud that falls into its middle.
 fn cloud() -> Vec<Placement> {

@@ -17,7 +17,7 @@ use dem_solver::{
     Wall, World, plain,
 };
 use nalgebra::Vector3;
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 /// Half width of the drum, m.
 const HALF_WIDTH: f64 = 0.0075;

@@ -96,7 +96,7 @@ fn rebound_has_the_restitution_of_the_law() {
 #[test]
 fn elastic_contact_lasts_as_long_as_hertz_says() {
     let young = effective_moduli(&material(), &material()).young;
-    let mass = DENSITY * clump::volume_of_sphere(RADIUS);
+    let mass = DENSITY * geometry::clump::volume_of_sphere(RADIUS);
     let hertz = |mass: f64, radius: f64| {
         2.9432 * (15.0 * mass / (16.0 * young * radius.sqrt())).powf(0.4) * SPEED.powf(-0.2)
     };

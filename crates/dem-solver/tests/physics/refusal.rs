@@ -8,7 +8,7 @@ use dem_solver::{
     DashpotMass, Error, Interaction, Motion, Placement, Settings, Shape, Template, Wall, World,
 };
 use nalgebra::{UnitQuaternion, Vector3};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 /// Parts of a world, one of which a test spoils.
 struct Parts {

@@ -9,7 +9,7 @@ use contact_law::{
 };
 use dem_solver::{MeshWall, Motion, OptionalLaws, Placement, Template, World};
 use nalgebra::Vector3;
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 /// Seeds, blocks and plain spheres, and where they start: every third body is a sphere.
 fn mixture() -> (Vec<Template>, Vec<Placement>) {

@@ -1,6 +1,5 @@
 //! Worlds for the tests: surfaces, bodies, walls, starts.
 
-use clump::{Clump, MassProperties, Sphere, properties_of_spheres};
 use contact_law::{
     BridgeForce, CapillaryBridge, Material, NormalForceEnd, PairParameters, ViscousBridge,
 };
@@ -8,8 +7,9 @@ use dem_solver::{
     DashpotMass, Interaction, InteractionSettings, Placement, Settings, Shape, Template, Wall,
     World,
 };
+use geometry::clump::{Clump, MassProperties, Sphere, properties_of_spheres};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 /// Density of all bodies, kg/m³.
 pub(crate) const DENSITY: f64 = 1000.0;

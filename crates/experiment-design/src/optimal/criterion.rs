@@ -1,6 +1,6 @@
 //! What an optimal design makes small, and its value for given runs.
 
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 use crate::{DesignKind, Region};
 

@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
-use drawn_pictures::{Class, Scene, kinds};
+use dev_support::drawn_pictures::{Class, Scene, kinds};
 use image::{DynamicImage, GrayImage, Rgb, RgbImage};
 use photo_profile::{
     Channel, Mode, PhotoPixels, PhotoReading, Settings, measure_image, measure_photo,
@@ -59,7 +59,7 @@ const GRAINY: Scene = Scene {
     grain: [6.0, 5.0],
     n_dust: 0,
     aspect: 1.0,
-    disturbance: drawn_pictures::Disturbance::NONE,
+    disturbance: dev_support::drawn_pictures::Disturbance::NONE,
     seed: 4,
 };
 
@@ -108,10 +108,10 @@ fn hopeless_pictures_stay_refused_in_colour() {
 /// A heap of dark blue grains before black: both flanks of 0.56 rad to 0.5 degrees.
 #[test]
 fn a_dark_blue_heap_before_black_is_read() {
-    let scene = drawn_pictures::HeapScene {
+    let scene = dev_support::drawn_pictures::HeapScene {
         tones: [235.0, 15.0, 235.0],
         rounding: 0.005,
-        ..drawn_pictures::HeapScene::default()
+        ..dev_support::drawn_pictures::HeapScene::default()
     };
     let picture = coloured(&scene.draw(), [4.0, 4.0, 4.0], [6.0, 6.0, 60.0]);
     let settings = Settings {

@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
-use drawn_pictures::{Scene, save};
+use dev_support::drawn_pictures::{Scene, save};
 use image::{DynamicImage, ExtendedColorType, GrayImage, ImageEncoder as _, imageops};
 use photo_profile::{
     Error, NoPhoto, PictureFiles, Settings, measure_file, measure_image, overlay_gray, read_frames,

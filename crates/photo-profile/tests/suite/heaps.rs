@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
-use drawn_pictures::HeapScene;
+use dev_support::drawn_pictures::HeapScene;
 use image::{GrayImage, Luma, imageops};
 use photo_profile::{HeapReading, MAX_ANGLE_ERROR, Mode, Refusal, Settings, measure_image};
 

@@ -1,7 +1,7 @@
 //! A few pictures of every kind of `docs/angle-trials.md`: what must be refused, what must be
 //! measured, and the mirror.
 
-use drawn_pictures::{Class, kinds};
+use dev_support::drawn_pictures::{Class, kinds};
 use image::imageops;
 use photo_profile::{Settings, measure_image};
 

@@ -6,10 +6,10 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
-use drawn_pictures::{Scene, save};
+use dev_support::drawn_pictures::{Scene, save};
 use image::DynamicImage;
 use photo_profile::{Mode, PhotoPixels, Settings, measure_photo, read_frames};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 use std::path::PathBuf;
 
 /// A random byte.

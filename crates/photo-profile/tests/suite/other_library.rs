@@ -1,7 +1,7 @@
 //! Why the reading of photos does without these steps of `imageproc`: what each does to pictures of known truth. Where one
 //! of these tests fails with a newer version, that step can take the place of ours.
 
-use drawn_pictures::Scene;
+use dev_support::drawn_pictures::Scene;
 use image::imageops::flip_horizontal;
 use image::{GrayImage, Luma};
 use imageproc::contrast::otsu_level;

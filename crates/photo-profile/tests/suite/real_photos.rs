@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
-use fixture_files::fixture;
+use dev_support::fixture_files::fixture;
 use image::{DynamicImage, imageops};
 use photo_profile::{PhotoPixels, Settings, measure_file, measure_image, read_photo};
 use std::path::PathBuf;

@@ -2,8 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
-use drawn_pictures::Scene;
-use fixture_files::fixture;
+use dev_support::drawn_pictures::Scene;
+use dev_support::fixture_files::fixture;
 use image::{GrayImage, Luma};
 use photo_profile::{
     DrumPixels, PhotoReading, Refusal, RefusedReading, Settings, measure_file, measure_image,

@@ -1,7 +1,7 @@
 //! A part of a picture, read in the pixels of the whole.
 
 use crate::refusals::binarised_arc;
-use drawn_pictures::{HeapScene, Scene};
+use dev_support::drawn_pictures::{HeapScene, Scene};
 use image::{GrayImage, Luma, imageops};
 use photo_profile::{
     DrumPixels, Mode, PhotoReading, PixelPoint, PixelRegion, Settings, measure_image,

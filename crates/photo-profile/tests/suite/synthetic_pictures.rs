@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
-use drawn_pictures::{Disturbance, Scene};
+use dev_support::drawn_pictures::{Disturbance, Scene};
 use image::{GrayImage, imageops};
 use photo_profile::{DrumPixels, DrumReading, Foreground, Refusal, Settings, measure_image};
 use surface_profile::{HighSide, SurfaceAngle, SurfacePoint, measure};

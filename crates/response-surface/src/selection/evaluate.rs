@@ -1,7 +1,7 @@
 //! What a design can tell before it is run.
 
 use experiment_design::Design;
-use random_stream::Stream;
+use probability::random_stream::Stream;
 use serde::Serialize;
 
 use crate::fit::least_squares::{basis, least_squares};

@@ -1,7 +1,7 @@
 //! How the nearest solution scatters with the data.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 use serde::{Deserialize, Serialize};
 
 use super::nearest::{metrics, nearest};

@@ -1,7 +1,7 @@
 //! The solution at which the scatter of the factors does least to the response.
 
 use experiment_design::Factor;
-use random_stream::Stream;
+use probability::random_stream::Stream;
 use serde::{Deserialize, Serialize};
 
 use super::along::quadratic_roots;

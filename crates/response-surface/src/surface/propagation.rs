@@ -102,7 +102,7 @@ pub(crate) fn transmitted_variance(quadratic: &Quadratic, x: &[f64], variances: 
 mod tests {
     use crate::{Cell, Model, Observations, fit};
     use experiment_design::{Factor, central_composite};
-    use random_stream::Stream;
+    use probability::random_stream::Stream;
 
     /// The moments of the fitted surface under drawn settings agree with the formula: 200 000 draws
     /// have a relative standard error of the sd of about 0.2 %, so 1 % is five of them.

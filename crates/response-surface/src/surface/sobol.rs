@@ -174,7 +174,7 @@ impl Fit {
 mod tests {
     use crate::{Cell, Model, Observations, fit};
     use experiment_design::{AxialDistance, Factor, central_composite};
-    use random_stream::Stream;
+    use probability::random_stream::Stream;
 
     fn factors(symbols: &str) -> Vec<Factor> {
         let each = symbols.chars();

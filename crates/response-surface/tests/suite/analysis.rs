@@ -8,7 +8,7 @@
 
 use experiment_design::table::Table;
 use experiment_design::{AxialDistance, Factor, box_behnken, central_composite};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 use response_surface::{
     Aim, Cell, ErrorSource, Fit, Goal, Model, Observations, ReductionRule, Weighting, box_cox,
     compromises, confirm, fit, fit_weighted, orders, reduce, ridge_path,

@@ -5,9 +5,9 @@
 //! `lmerTest` takes its degrees of freedom from numerical derivatives. 1e-8 for factors; the 240 steps of
 //! Simpson's rule leave 1e-9.
 
+use dev_support::fixture_files::fixture;
 use experiment_design::Factor;
 use experiment_design::table::Table;
-use fixture_files::fixture;
 use response_surface::{
     Cell, Model, Observations, RandomBlockTerm, RandomBlocks, Weighting, random_blocks,
     tolerance_factor,

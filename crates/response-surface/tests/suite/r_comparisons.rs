@@ -2,9 +2,9 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
+use dev_support::fixture_files::fixture;
 use experiment_design::Factor;
 use experiment_design::table::Table;
-use fixture_files::fixture;
 use response_surface::{Cell, Fit, Model, Observations, contrasts, fit, one_way};
 use serde_json::Value;
 use std::path::PathBuf;

@@ -3,9 +3,9 @@
 //! Limit: 1e-9 relative; sums of squares are differences of two residual sums, which costs two of the
 //! fourteen digits on these sets.
 
+use dev_support::fixture_files::fixture;
 use experiment_design::Factor;
 use experiment_design::table::Table;
-use fixture_files::fixture;
 use response_surface::{
     Categorical, CategoricalModel, Cell, GroupRow, Observations, Weighting, fit_weighted,
 };

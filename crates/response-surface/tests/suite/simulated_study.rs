@@ -6,7 +6,7 @@
 )]
 
 use experiment_design::{Design, Factor, box_behnken, plackett_burman};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 use response_surface::{
     Cell, Error, ErrorSource, Fit, Model, Observations, SolutionRequest, fit, screen, solutions,
 };

@@ -7,7 +7,7 @@
 
 use experiment_design::table::{Table, factors_from_csv};
 use experiment_design::{AxialDistance, Factor, central_composite};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 use response_surface::solutions::roots_along;
 use response_surface::{
     Cell, Error, ErrorSource, Fit, Measured, Model, Observations, SolutionRequest, Solutions, fit,

@@ -4,8 +4,8 @@ use super::heap::{check_lift, check_size, floor};
 use super::{NamedMesh, NamedWall, cover};
 use crate::Error;
 use dem_solver::{Motion, Shape};
+use input::quantity::{Length, Speed};
 use nalgebra::Vector3;
-use quantity::{Length, Speed};
 use serde::{Deserialize, Serialize};
 
 /// The box from x = 0 to `length`, its floor y = 0, its sides at plus and minus half of `width`. The

@@ -1,6 +1,6 @@
 //! A seed that falls on a plate and comes back: restitution.
 
-use quantity::Length;
+use input::quantity::Length;
 use serde::{Deserialize, Serialize};
 
 /// A seed that falls on a plate and comes back: restitution.

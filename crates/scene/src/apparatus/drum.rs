@@ -3,8 +3,8 @@
 use super::{NamedWall, cover};
 use crate::Error;
 use dem_solver::Shape;
+use input::quantity::{Angle, AngularSpeed, Length, Time};
 use nalgebra::Vector3;
-use quantity::{Angle, AngularSpeed, Length, Time};
 use serde::{Deserialize, Serialize};
 
 /// A shell and two covers that turn together where nothing else is said; in the study about a level axis at one speed.
@@ -195,7 +195,7 @@ impl Drum {
 #[cfg(test)]
 mod tests {
     use super::{Drum, Ripple};
-    use quantity::{AngularSpeed, Length};
+    use input::quantity::{AngularSpeed, Length};
 
     /// Over one revolution the drum turns as far with ripple as without, and the speed swings by the
     /// share to either side. Rounding only: the sum runs over whole swings.

@@ -3,8 +3,8 @@
 use super::{NamedMesh, NamedWall};
 use crate::Error;
 use dem_solver::{Motion, Shape};
+use input::quantity::{Length, Speed};
 use nalgebra::Vector3;
-use quantity::{Length, Speed};
 use serde::{Deserialize, Serialize};
 
 /// Sides of the prism that stands for the cylinder; it lies within 0.3 % of its radius.

@@ -7,8 +7,8 @@
 use super::{NamedWall, cover};
 use crate::Error;
 use dem_solver::Shape;
+use input::quantity::{Angle, AngularSpeed, Length};
 use nalgebra::Vector3;
-use quantity::{Angle, AngularSpeed, Length};
 use serde::{Deserialize, Serialize};
 
 /// The device.
@@ -125,12 +125,12 @@ impl Metering {
 #[cfg(test)]
 mod tests {
     use super::Metering;
-    use quantity::{Angle, AngularSpeed, Length};
+    use input::quantity::{Angle, AngularSpeed, Length};
 
     /// Seeds at every degree from 0 to 90 behind a board at -10: 100 degrees; a single seed
     /// carried to 150 is not part of the group.
     #[test]
-    fn filling_angle_ends_at_the_first_gap() -> Result<(), quantity::Error> {
+    fn filling_angle_ends_at_the_first_gap() -> Result<(), input::quantity::Error> {
         let device = Metering {
             inner_diameter: Length::parse("180 mm")?,
             width: Length::parse("46 mm")?,

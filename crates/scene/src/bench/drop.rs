@@ -3,10 +3,10 @@
 use super::plate::{Plate, lowest, moved, of_tape};
 use super::{BenchParts, Repeat};
 use crate::Error;
-use clump::Clump;
 use dem_solver::{Load, Placement, World};
+use geometry::clump::Clump;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 /// How much finer than a bed it is stepped. The step of a bed puts about three steps into a hard contact, which is not
 /// enough for the rebound of a single seed: some came back higher than they fell (restitution up to 1.06 in 40 drops). The mean of 40
@@ -134,8 +134,8 @@ mod tests {
     use crate::bench::BenchParts;
     use crate::bench::plate::Plate;
     use crate::{FillingLibrary, Override, Scene};
-    use clump::Sphere;
-    use fixture_files::fixture;
+    use dev_support::fixture_files::fixture;
+    use geometry::clump::Sphere;
     use nalgebra::{UnitQuaternion, Vector3};
 
     const TEXT: &str = r#"
@@ -200,8 +200,8 @@ mod tests {
             centre: Vector3::new(x * 2e-3, 0.0, 0.0),
             radius: 1e-3,
         });
-        let properties = clump::properties_of_spheres(&spheres, 1000.0);
-        let body = clump::Clump::new(&spheres, &properties).unwrap();
+        let properties = geometry::clump::properties_of_spheres(&spheres, 1000.0);
+        let body = geometry::clump::Clump::new(&spheres, &properties).unwrap();
         let reach = least_reach(&body);
         assert!((1e-3..1.15e-3).contains(&reach), "{reach}");
     }

@@ -3,10 +3,10 @@
 use super::BenchParts;
 use crate::Error;
 use crate::extent::extent;
-use clump::{Clump, MassProperties, Sphere};
 use dem_solver::{DashpotMass, Placement, Shape, Template, Wall, World};
+use geometry::clump::{Clump, MassProperties, Sphere};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 /// Mass of a rigid plate of seeds, kg: too heavy to move.
 const PLATE_MASS: f64 = 1e12;

@@ -7,7 +7,7 @@ use crate::Error;
 use crate::extent::extent;
 use dem_solver::{DashpotMass, Load, Placement};
 use nalgebra::{UnitQuaternion, Vector3};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 /// How much finer than a bed it is stepped. Nothing is hit: with the step of a bed the friction is the same to four digits,
 /// and the longest step that `protocol.step_share` allows is still shorter than the usual one of a bed.

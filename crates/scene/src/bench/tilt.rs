@@ -6,7 +6,7 @@ use crate::Error;
 use contact_law::rolling_constant_torque::SMALL_SPIN;
 use dem_solver::{Load, Placement};
 use nalgebra::{UnitQuaternion, Vector3};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 
 /// How much finer than a bed it is stepped, as the [sled](super::slider) is and for its reason. On a plate of seeds a seed
 /// first rolls into a hollow, and which one it finds changes with the step as with its starting place.

@@ -3,10 +3,10 @@
 
 use super::{Capsule, Placed, Room, clear, is_inside, try_place};
 use crate::extent::extent;
-use clump::{Clump, Sphere};
 use dem_solver::Placement;
+use geometry::clump::{Clump, Sphere};
 use nalgebra::{UnitQuaternion, Vector3};
-use random_stream::Stream;
+use probability::random_stream::Stream;
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_6;
 

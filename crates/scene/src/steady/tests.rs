@@ -1,8 +1,8 @@
 //! Series with known answers, and series of real beds.
 
 use super::{Doubt, SteadyRule, SteadyState, error_of_mean, expected_swing, swing_time};
-use fixture_files::fixture;
-use random_stream::Stream;
+use dev_support::fixture_files::fixture;
+use probability::random_stream::Stream;
 use std::f64::consts::TAU;
 
 /// Values in a swing: 0.7 s at 0.02 s.

@@ -3,7 +3,7 @@ use crate::build::{Built, build};
 use crate::motion::advance;
 use crate::{FillingLibrary, Override, Scene};
 use dem_solver::Load;
-use fixture_files::fixture;
+use dev_support::fixture_files::fixture;
 use nalgebra::Vector3;
 
 /// One seed of few spheres, free in a wide drum, under the settings given.

@@ -5,7 +5,7 @@
     reason = "helpers of tests fail like tests"
 )]
 
-use fixture_files::fixture;
+use dev_support::fixture_files::fixture;
 use scene::{Error, FillingLibrary, Override, RunResult, Scene, run};
 
 /// A ball on a bench: the lines of its apparatus, and the material of the plate's contact.
@@ -154,7 +154,7 @@ fn pulls_of_balls_over_balls_differ_and_lose_nothing_to_the_tractor() {
     let balls = |friction: f64| {
         let mut scene = ball("kind = \"slider\"\nplate = \"pea\"\nrepeats = 12");
         let contact = scene.contact.get_mut("pea-pea").unwrap();
-        contact.static_friction = quantity::FrictionCoefficient::new(friction).unwrap();
+        contact.static_friction = input::quantity::FrictionCoefficient::new(friction).unwrap();
         // The way of a pull is three quarters of a ball.
         scene.seed[0].sphere = Some("8 mm".parse().unwrap());
         values(&go(&scene, 1), "shown_static_friction")
@@ -185,8 +185,8 @@ fn a_ball_starts_to_roll_at_its_rolling_friction() {
     ] {
         let mut scene = ball("kind = \"tilt\"\nplate = \"steel\"\nrepeats = 2");
         let contact = scene.contact.get_mut("pea-steel").unwrap();
-        contact.rolling_friction = quantity::FrictionCoefficient::new(rolling).unwrap();
-        contact.static_friction = quantity::FrictionCoefficient::new(0.9).unwrap();
+        contact.rolling_friction = input::quantity::FrictionCoefficient::new(rolling).unwrap();
+        contact.static_friction = input::quantity::FrictionCoefficient::new(0.9).unwrap();
         let scene = scene.with(&[Override {
             name: "model.rolling_law".into(),
             value: law.into(),
@@ -209,7 +209,7 @@ fn a_ball_starts_to_roll_at_its_rolling_friction() {
 fn a_ball_that_cannot_roll_slides_at_its_friction() {
     let mut scene = ball("kind = \"tilt\"\nplate = \"steel\"\nrepeats = 2");
     let contact = scene.contact.get_mut("pea-steel").unwrap();
-    contact.rolling_friction = quantity::FrictionCoefficient::new(1.5).unwrap();
+    contact.rolling_friction = input::quantity::FrictionCoefficient::new(1.5).unwrap();
     let result = go(&scene, 1);
     for shown in values(&result, "shown_rolling_friction") {
         assert!(shown > 0.349 && shown < 0.355, "{shown}");
@@ -227,7 +227,7 @@ fn a_plate_of_seeds_is_not_smooth() {
     let smooth = {
         let mut scene = smooth;
         let contact = scene.contact.get_mut("pea-steel").unwrap();
-        contact.rolling_friction = quantity::FrictionCoefficient::new(0.0).unwrap();
+        contact.rolling_friction = input::quantity::FrictionCoefficient::new(0.0).unwrap();
         values(&go(&scene, 1), "shown_rolling_friction")
     };
     let seeds = ball("kind = \"tilt\"\nplate = \"pea\"\nrepeats = 3");

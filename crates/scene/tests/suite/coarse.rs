@@ -1,6 +1,6 @@
 //! A slice of the study's drum with coarse seeds, for tests that run it.
 
-use fixture_files::fixture;
+use dev_support::fixture_files::fixture;
 use scene::{Override, Scene};
 
 /// The study's drum, 14 mm wide, with seeds of 20 and 16 spheres of 0.8 mm, and further changes.

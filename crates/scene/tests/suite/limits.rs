@@ -1,6 +1,6 @@
 //! What no run can have is refused where it is written, with the limit and the way out, and never begun.
 
-use quantity::Time;
+use input::quantity::Time;
 use scene::{Error, FillingLibrary, Override, Scene, run};
 use std::f64::consts::PI;
 use std::path::Path;

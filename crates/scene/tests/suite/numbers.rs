@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use crate::coarse;
-use fixture_files::fixture;
+use dev_support::fixture_files::fixture;
 use scene::{FillingLibrary, NumberChange, Override, Scene, run};
 use std::path::Path;
 

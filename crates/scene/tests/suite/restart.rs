@@ -1,7 +1,7 @@
 //! A run that is left on its way and continued gives what it would have given.
 
 use crate::coarse;
-use fixture_files::fixture;
+use dev_support::fixture_files::fixture;
 use scene::{
     BondedSettings, Ending, FillingLibrary, Keeper, Override, Progress, RunResult, RunStage,
     SORTED_FROM, Scene, StopFlag, run, run_on, run_retrying,

@@ -1,7 +1,7 @@
 //! Seeds without a mesh, and masses and numbers as a laboratory states them.
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
-use fixture_files::fixture;
+use dev_support::fixture_files::fixture;
 use nalgebra::Vector3;
 use scene::{FillingLibrary, Frame, Override, Scene, SeedBody, starting_frame};
 use std::f64::consts::PI;

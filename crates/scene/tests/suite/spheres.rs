@@ -1,6 +1,6 @@
 //! Seeds that are single spheres.
 
-use fixture_files::fixture;
+use dev_support::fixture_files::fixture;
 use scene::{FillingLibrary, Scene, starting_frame};
 
 /// A quarter of a drum's volume in spheres: all of them have a place, and none touches another (3 mm from

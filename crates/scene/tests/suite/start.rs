@@ -1,8 +1,8 @@
 //! How a drum starts: a bed that is laid at a slope before it turns, and the time steps of both phases.
 
 use crate::limits::beads;
-use fixture_files::fixture;
-use quantity::{Angle, Length, Time};
+use dev_support::fixture_files::fixture;
+use input::quantity::{Angle, Length, Time};
 use scene::{FillingLibrary, LiquidSettings, Override, Scene, run, settled_world, starting_frame};
 use std::path::Path;
 

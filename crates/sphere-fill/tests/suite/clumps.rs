@@ -1,6 +1,6 @@
 //! Methods of overlapping spheres: what each promises, and how they compare.
 
-use clump::Sphere;
+use geometry::clump::Sphere;
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use sphere_fill::{

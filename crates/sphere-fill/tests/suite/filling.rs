@@ -1,7 +1,7 @@
 //! Properties of fillings.
 
-use clump::{Sphere, volume_of_sphere};
-use fixture_files::fixture;
+use dev_support::fixture_files::fixture;
+use geometry::clump::{Sphere, volume_of_sphere};
 use nalgebra::{Rotation3, Vector3};
 use sphere_fill::{Error, FillSettings, Filling, InertiaSource, Method, fill};
 use trimesh::{LengthUnit, SignedDistance, TriMesh, shapes};
@@ -274,7 +274,7 @@ fn a_rigid_body_gets_the_mass_and_the_chosen_inertia() {
 #[test]
 fn separate_spheres_have_the_moments_of_their_sum() {
     let filling = filled(Method::Pack);
-    let plain = clump::properties_of_spheres(&filling.spheres, 1.0);
+    let plain = geometry::clump::properties_of_spheres(&filling.spheres, 1.0);
     let union = &filling.union_moments;
     assert!((union.volume / plain.mass - 1.0).abs() < 2e-5);
     assert!((union.inertia - plain.inertia).norm() / plain.inertia.norm() < 2e-5);

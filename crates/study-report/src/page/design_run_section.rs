@@ -7,7 +7,7 @@ use crate::numbers::{DASH, digits, digits_or_dash, in_unit, observable};
 use crate::pictures;
 use crate::pictures::design_run_pictures::{MOST_BYTES, frame_name, last_frame, series_name};
 use crate::pictures::photographs::shows_drum;
-use calibration::ModelSurfaces;
+use inference::ModelSurfaces;
 use report::{Column, Table, counted};
 
 /// Adds the section; nothing without surfaces.

@@ -7,9 +7,9 @@ use crate::numbers::{digits, fixed, listed};
 use crate::output::DIAGNOSIS;
 use crate::pictures::NamedPicture;
 use crate::{DiagnosisInput, Error};
-use calibration::ResidualStudy;
+use inference::ResidualStudy;
+use inference::diagnosis::{NearestEffect, TrialRow, Truth};
 use report::{Column, Fact, Report, Table, counted};
-use residual_diagnosis::{NearestEffect, TrialRow, Truth};
 
 /// Makes the page as HTML.
 pub(crate) fn page(input: &DiagnosisInput<'_>, pictures: &[NamedPicture]) -> Result<String, Error> {

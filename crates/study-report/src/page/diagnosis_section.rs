@@ -3,7 +3,7 @@
 use super::{Page, residual_section};
 use crate::Error;
 use crate::output::DIAGNOSIS;
-use calibration::DiagnosisStage;
+use inference::DiagnosisStage;
 
 /// Adds the section.
 pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {

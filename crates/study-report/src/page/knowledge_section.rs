@@ -8,7 +8,7 @@ use crate::numbers::{
 use crate::open_words::open_in_words;
 use crate::pictures::chart;
 use crate::pictures::solution_charts::{MISFIT, pair_name, pairs};
-use calibration::{FitTest, JointEstimate};
+use inference::{FitTest, JointEstimate};
 use report::{Column, Table, counted};
 
 /// Adds both sections.
@@ -259,7 +259,7 @@ fn predictions(page: &mut Page<'_>, joint: &JointEstimate) -> Result<(), Error> 
 #[cfg(test)]
 mod tests {
     use super::test_in_words;
-    use calibration::FitTest;
+    use inference::FitTest;
 
     #[test]
     fn a_fit_without_degrees_of_freedom_is_said_to_test_nothing() {

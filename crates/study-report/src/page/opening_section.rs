@@ -10,7 +10,7 @@ use crate::numbers::{
     DASH, fixed_or_dash, in_unit, observable, signed, with_decimals_of, with_error,
 };
 use crate::pictures::measurement_charts::ERRORS;
-use calibration::{Comparison, DiagnosisStage, Estimate, Parameter, Role};
+use inference::{Comparison, DiagnosisStage, Estimate, Parameter, Role};
 use report::{Column, Fact, Table, Tone};
 
 /// Adds the section.
@@ -266,7 +266,7 @@ fn known(p: &Estimate, declared: Option<&Parameter>) -> String {
 mod tests {
     use super::known;
     use crate::test_input::estimate;
-    use calibration::{Parameter, Prior};
+    use inference::{Parameter, Prior};
 
     /// A parameter with or without a prior.
     fn declared(prior: Option<Prior>) -> Parameter {

@@ -5,9 +5,9 @@ use crate::numbers::{
     with_error,
 };
 use crate::residual::{models, stages};
-use calibration::ResidualStudy;
+use inference::ResidualStudy;
+use inference::diagnosis::Verdict;
 use report::{Column, Report, Table, Tone, counted};
-use residual_diagnosis::Verdict;
 use std::collections::BTreeMap;
 
 /// The colour of a verdict: green where an answer was found, also where it is "nothing".
@@ -153,7 +153,7 @@ pub(super) fn refits(report: &mut Report, study: &ResidualStudy) -> Result<(), r
             p_value(refit.p),
             refit
                 .ln_odds_of_best
-                .map_or_else(|| DASH.to_owned(), residual_diagnosis::odds),
+                .map_or_else(|| DASH.to_owned(), inference::diagnosis::odds),
             if refit.refuted { "yes" } else { "no" }.to_owned(),
         ])?;
     }

@@ -5,7 +5,7 @@ use crate::Error;
 use crate::numbers::{DASH, fixed, listed, observable, signed, with_decimals_of, with_error};
 use crate::pictures::{NamedPicture, plain_name};
 use crate::residual::{self, StageErrors};
-use calibration::ResidualStudy;
+use inference::ResidualStudy;
 use report::{Column, Report, Table, counted};
 
 /// Adds everything that the study of a residual says; `name` is that of its charts.

@@ -4,7 +4,7 @@ use super::Page;
 use crate::Error;
 use crate::numbers::{fixed, fixed_or_dash, in_unit, listed, observable, p_value, signed};
 use crate::pictures::screening_charts::{half_normal_name, pareto_name};
-use calibration::ModelScreening;
+use inference::ModelScreening;
 use report::{Column, Table, counted};
 use response_surface::Screening;
 

@@ -3,7 +3,7 @@
 use super::Page;
 use crate::Error;
 use crate::numbers::{digits, observable, signed, with_error};
-use calibration::{ConfirmationRound, Estimate};
+use inference::{ConfirmationRound, Estimate};
 use report::{Column, Table, counted};
 
 /// Adds the section.

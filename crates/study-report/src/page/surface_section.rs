@@ -4,7 +4,7 @@ use super::Page;
 use crate::Error;
 use crate::numbers::{DASH, digits, fixed_or_dash, in_unit, observable, p_in_words, p_value};
 use crate::pictures::surface_charts::{estimate_of, strongest_two, surface_name};
-use calibration::ModelSurfaces;
+use inference::ModelSurfaces;
 use report::{Column, Table, counted};
 use response_surface::Fit;
 use response_surface::fit::TermRow;

@@ -5,7 +5,7 @@ use super::photographs::{shows_drum, with_reading};
 use super::run_charts::series_of;
 use crate::run_details::RunDetails;
 use crate::{Error, ReportInput};
-use calibration::ModelSurfaces;
+use inference::ModelSurfaces;
 
 /// Most bytes of frames in a page: with more it would open slowly.
 pub(crate) const MOST_BYTES: usize = 6_000_000;

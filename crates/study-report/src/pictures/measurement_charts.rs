@@ -3,7 +3,7 @@
 use super::NamedPicture;
 use crate::measurement_rows::{MeasurementRow, rows};
 use crate::{Error, ReportInput};
-use calibration::Role;
+use inference::Role;
 use report::{AxisTitle, ResidualCondition, ResidualPanel, Residuals};
 
 /// Name of the chart.

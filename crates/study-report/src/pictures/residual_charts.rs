@@ -4,12 +4,12 @@ use super::NamedPicture;
 use crate::Error;
 use crate::numbers::observable;
 use crate::residual::{condition_name, residual_se, role};
-use calibration::{AddedEffect, ResidualStudy, StudyCondition};
+use inference::diagnosis::Evidence;
+use inference::{AddedEffect, ResidualStudy, StudyCondition};
 use report::{
     AxisTitle, Comparison, Level, PredictedAgainstMeasured, ResidualCondition, ResidualPanel,
     Residuals, StackedBar, StackedBars,
 };
-use residual_diagnosis::Evidence;
 
 /// Predicted against measured for each observable, before and after, and the residuals.
 pub(crate) fn charts(name: &str, study: &ResidualStudy) -> Result<Vec<NamedPicture>, Error> {

@@ -4,9 +4,9 @@ use super::NamedPicture;
 use crate::measurement_rows::{MeasurementRow, rows};
 use crate::run_details::RunDetails;
 use crate::{Error, ReportInput};
-use calibration::{Model, Role};
+use campaign::run_store::Record;
+use inference::{Model, Role};
 use report::{AxisTitle, Level, TimeSeries, TimeSpan};
-use run_store::Record;
 
 /// The models that are kept for the check, each with the records of its runs at the estimate.
 pub(crate) fn check_runs<'a>(input: &ReportInput<'a>) -> Vec<(&'a Model, Vec<&'a Record>)> {

@@ -3,7 +3,7 @@
 use super::{NamedPicture, plain_name};
 use crate::Error;
 use crate::numbers::observable;
-use calibration::ModelScreening;
+use inference::ModelScreening;
 use report::{AxisTitle, FactorEffect, HalfNormal, Level, Pareto};
 use response_surface::Screening;
 

@@ -4,7 +4,7 @@ use super::NamedPicture;
 use super::surface_charts::{evenly, measured, variance_of_mean};
 use crate::numbers::shown_unit;
 use crate::{Error, ReportInput};
-use calibration::{Estimate, Role};
+use inference::{Estimate, Role};
 use report::{AxisTitle, Contour, MarkedPoint, Scatter, Svg};
 use response_surface::Fit;
 

@@ -3,7 +3,7 @@
 use super::csv::{CsvTable, Field};
 use super::{parameter_column, unit_of};
 use crate::ReportInput;
-use calibration::Estimate;
+use inference::Estimate;
 
 /// The parameters, each in its unit, from the fit alone and from all measurements.
 pub(super) fn parameters(input: &ReportInput<'_>) -> CsvTable {

@@ -3,7 +3,7 @@
 use super::csv::{CsvTable, Field};
 use super::with_unit;
 use crate::residual::{models, residual_se, stages};
-use calibration::{Parameter, ResidualStudy};
+use inference::{Parameter, ResidualStudy};
 
 /// The unit that the name of a condition's coordinate goes without.
 fn coordinate(name: &str) -> String {

@@ -4,8 +4,8 @@ use super::csv::{CsvTable, Field};
 use super::{parameter_column, unit_of, with_unit};
 use crate::ReportInput;
 use crate::measurement_rows::{condition_text, role_name, rows};
-use calibration::{Comparison, Role};
-use run_store::Record;
+use campaign::run_store::Record;
+use inference::{Comparison, Role};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Every measurement, and what was simulated before and after.

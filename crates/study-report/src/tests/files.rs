@@ -5,7 +5,7 @@ use crate::test_input::{example, spent};
 use crate::test_residual::twins;
 use crate::test_study::study;
 use crate::{DiagnosisInput, Extent, write, write_diagnosis};
-use calibration::ResidualStudy;
+use inference::ResidualStudy;
 use std::collections::BTreeMap;
 
 /// The lines of a table on disk.

@@ -152,7 +152,7 @@ fn a_frame_for_which_there_is_no_room_is_told() {
     assert!(!page(&study).contains(told));
     let without = study_page(&study.input(), &[]).unwrap();
     let with_frame =
-        |record: &run_store::Record| !record.details()["last_frame_png_base64"].is_null();
+        |record: &campaign::run_store::Record| !record.details()["last_frame_png_base64"].is_null();
     let surfaces = study.calibration.surfaces.iter();
     let frames = surfaces
         .flat_map(|s| &s.keys)

@@ -2,10 +2,10 @@
 //! noise of reading.
 
 use crate::{AnyError, SEED};
-use calibration::{CalibrationProblem, Candidate, CandidateMeasurement, Model, Parameter};
+use campaign::run_store::Record;
 use campaign::{Campaign, RunRequest, Simulator};
-use random_stream::Stream;
-use run_store::Record;
+use inference::{CalibrationProblem, Candidate, CandidateMeasurement, Model, Parameter};
+use probability::random_stream::Stream;
 use std::collections::BTreeMap;
 use study::{Study, StudySimulator};
 

@@ -24,16 +24,16 @@ mod next;
 mod outcome;
 mod page;
 
-use calibration::{
+use campaign::run_store::Store;
+use campaign::{Campaign, Progress, ProgressState};
+use inference::diagnosis::CandidateResult;
+use inference::{
     DiagnosisStage, EffectProbe, LoopSettings, ResidualStudy, diagnose_at, study_residual,
 };
-use campaign::{Campaign, Progress, ProgressState};
 use laboratory::{Hidden, Laboratory};
 use next::{Next, Recommended};
 use outcome::{Outcome, Work};
 use page::Page;
-use residual_diagnosis::CandidateResult;
-use run_store::Store;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -2,7 +2,7 @@
 
 use crate::goals::share;
 use crate::outcome::{Outcome, Told, Work};
-use calibration::{CandidateMeasurement, ResidualStudy};
+use inference::{CandidateMeasurement, ResidualStudy};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 

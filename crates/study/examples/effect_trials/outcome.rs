@@ -2,10 +2,10 @@
 
 use crate::AnyError;
 use crate::laboratory::Hidden;
-use calibration::{AddedEffect, ErrorPair, ResidualStudy};
-use residual_diagnosis::{Ideal, Problem, Verdict, ideal};
-use run_store::{Lookup, Store};
-use scene_simulator::RunDetails;
+use campaign::run_store::{Lookup, Store};
+use inference::diagnosis::{Ideal, Problem, Verdict, ideal};
+use inference::{AddedEffect, ErrorPair, ResidualStudy};
+use simulators::scene_simulator::RunDetails;
 
 /// Draws behind the share of an ideal rule: right within 2.5 %.
 const DRAWS: usize = 400;

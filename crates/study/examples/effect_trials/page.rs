@@ -2,8 +2,8 @@
 
 use crate::goals;
 use crate::outcome::{Outcome, Told, Work};
-use calibration::ResidualStudy;
-use residual_diagnosis::{CandidateResult, Unseen};
+use inference::ResidualStudy;
+use inference::diagnosis::{CandidateResult, Unseen};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 

@@ -1,7 +1,7 @@
 //! How many runs ended in which form of motion.
 
-use run_store::Record;
-use scene_simulator::{NOT_STEADY, RunDetails};
+use campaign::run_store::Record;
+use simulators::scene_simulator::{NOT_STEADY, RunDetails};
 use std::collections::BTreeMap;
 use std::error::Error;
 

@@ -1,7 +1,7 @@
 //! Arguments of the examples that make a table over runs, and its cells.
 
-use run_store::Record;
-use scene_simulator::NOT_STEADY;
+use campaign::run_store::Record;
+use simulators::scene_simulator::NOT_STEADY;
 use std::error::Error;
 
 /// FOLDER and the number of runs of each point, 2 or more, from the command line.

@@ -3,9 +3,9 @@
 use super::DesignTable;
 use crate::file::Budget;
 use crate::{Error, price};
-use calibration::{PlannedStage, RunList};
+use campaign::run_store::{Lookup, Record, Store};
 use campaign::{RunRequest, Simulator};
-use run_store::{Lookup, Record, Store};
+use inference::{PlannedStage, RunList};
 use serde::Serialize;
 
 /// What the runs of a design table would cost.

@@ -2,10 +2,10 @@
 
 use super::columns::SEED;
 use super::{DesignTable, cells};
+use campaign::run_store::Record;
 use experiment_design::table::csv_field;
-use run_store::Record;
 use scene::Scene;
-use scene_simulator::{RunDetails, no_surface_of};
+use simulators::scene_simulator::{RunDetails, no_surface_of};
 use std::collections::BTreeSet;
 
 /// Standard error of the angle over the time of a run.

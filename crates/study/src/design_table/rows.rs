@@ -8,7 +8,7 @@ use campaign::RunRequest;
 use experiment_design::Factor;
 use experiment_design::table::{Row, Table};
 use scene::{NumberChange, Override, Scene};
-use scene_simulator::Binding;
+use simulators::scene_simulator::Binding;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 

@@ -7,7 +7,7 @@ use crate::document::Fields;
 use crate::keys;
 use crate::limits::{MOST, MOST_RUNS};
 use crate::problem::Problems;
-use calibration::LoopSettings;
+use inference::LoopSettings;
 use std::collections::BTreeMap;
 use toml::Table;
 
@@ -44,7 +44,7 @@ pub(super) fn choices(fields: &Fields<'_>, of_command: bool, problems: &mut Prob
         }
         // Those of a program of the user stand in the file, and are looked for there.
         for name in found.iter().flatten().filter(|_| !of_command) {
-            if let Err(error) = effect_library::find(name) {
+            if let Err(error) = simulators::effects::find(name) {
                 problems.add(effects.wrong("search", format!(": {error}")));
             }
         }

@@ -7,8 +7,8 @@ use crate::keys;
 use crate::limits::physical_limits;
 use crate::plausible::wrong_name;
 use crate::problem::Problems;
-use calibration::Prior;
-use effect_library::{Effect, find};
+use inference::Prior;
+use simulators::effects::{Effect, find};
 
 /// How far an input may move, in standard deviations. Our choice: of right ones 3 in 1000 lie beyond.
 const REACH: f64 = 3.0;

@@ -10,7 +10,7 @@ use crate::keys;
 use crate::limits::{LEAST_RATIO, MOST, range_of};
 use crate::plausible::wrong_name;
 use crate::problem::Problems;
-use calibration::Prior;
+use inference::Prior;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use toml::Value;

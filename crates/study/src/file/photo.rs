@@ -5,8 +5,8 @@ use crate::document::Fields;
 use crate::keys;
 use crate::photo_values::{IF_NAMED, OF_PHOTOS};
 use crate::problem::Problems;
+use input::quantity::{Angle, Time};
 use photo_profile::{PixelPoint, PixelRegion, mark_error, roll_by_level, roll_by_plumb_line};
-use quantity::{Angle, Time};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -160,7 +160,7 @@ fn places<const N: usize>(
     problems: &mut Problems,
 ) -> Option<[[f64; 2]; N]> {
     let text: String = fields.optional(key, "a text", problems)?;
-    let found = quantity::places(&text).and_then(|all| all.try_into().ok());
+    let found = input::quantity::places(&text).and_then(|all| all.try_into().ok());
     if found.is_none() {
         problems.add(fields.wrong(key, format!("must be {form}")));
     }

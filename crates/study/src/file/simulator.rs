@@ -7,10 +7,10 @@ use crate::keys;
 use crate::limits::{LEAST_TIME_S, LONGEST_NAME, MOST_TIME_S};
 use crate::plausible::wrong_name;
 use crate::problem::Problems;
-use external_simulator::{DrumDescription, Keep, Peer, ResultFiles};
+use input::quantity::Time;
 use photo_profile::MAX_ANGLE_ERROR;
-use quantity::Time;
 use serde::Serialize;
+use simulators::external_simulator::{DrumDescription, Keep, Peer, ResultFiles};
 use std::collections::BTreeMap;
 use std::path::{Component, PathBuf};
 

@@ -1,8 +1,8 @@
 //! What a design table asks for.
 
 use super::folder::{FRICTION, Folder, bound, design};
+use campaign::run_store::Record;
 use campaign::{RunRequest, Simulator as _};
-use run_store::Record;
 use study::{DesignChoices, DesignTable};
 
 /// The natural values of a design arrive at the settings, the same at both contacts, to the last bit.

@@ -1,9 +1,9 @@
 //! The runs of a design table, and the table of their results.
 
 use super::folder::{FRICTION, Folder};
+use campaign::run_store::{Observation, Record, Store};
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
 use experiment_design::table::Table;
-use run_store::{Observation, Record, Store};
 use std::sync::atomic::AtomicBool;
 use study::Error;
 

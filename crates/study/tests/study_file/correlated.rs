@@ -2,8 +2,8 @@
 
 use super::folder::{Folder, STUDY, changed, right, wrong};
 use super::refused::tells;
-use drawn_pictures::Scene;
-use random_stream::Stream;
+use dev_support::drawn_pictures::Scene;
+use probability::random_stream::Stream;
 use study::Study;
 
 /// The study with a folder of drawn pictures in the place of the angle at 30 rpm; `more` are further keys.
@@ -15,7 +15,7 @@ fn with_pictures(scenes: &[Scene], more: &str) -> Study {
     std::fs::create_dir(folder.path("photos")).expect("a new folder");
     for (k, scene) in scenes.iter().enumerate() {
         let file = folder.path(&format!("photos/{k:03}.png"));
-        drawn_pictures::save(scene.draw(), file).expect("written");
+        dev_support::drawn_pictures::save(scene.draw(), file).expect("written");
     }
     folder.read(None).expect("a study that is right")
 }

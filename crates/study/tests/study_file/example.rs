@@ -1,7 +1,7 @@
 //! The commented example of every key.
 
-use calibration::LoopSettings;
-use fixture_files::fixture;
+use dev_support::fixture_files::fixture;
+use inference::LoopSettings;
 use std::collections::BTreeSet;
 use study::Study;
 use toml::{Table, Value};

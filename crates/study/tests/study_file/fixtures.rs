@@ -1,6 +1,6 @@
 //! The studies of the repository, and those to start from.
 
-use fixture_files::fixture;
+use dev_support::fixture_files::fixture;
 use study::{Starter, Study};
 
 #[test]
@@ -12,7 +12,7 @@ fn the_studies_to_start_from_read_as_they_are() {
         }
         let study = Study::read(&folder.path().join("study.toml"), None)
             .unwrap_or_else(|error| panic!("{starter:?}: {error}"));
-        let fits = study.problem.measurements_of(calibration::Role::Fit).len();
+        let fits = study.problem.measurements_of(inference::Role::Fit).len();
         assert!(fits >= study.problem.parameters.len(), "{starter:?}");
     }
 }

@@ -1,8 +1,8 @@
 //! What a study file gives.
 
 use super::folder::{Folder, STUDY, changed, right, with};
-use calibration::{Role, SurfaceDesign};
-use fixture_files::fixture;
+use dev_support::fixture_files::fixture;
+use inference::{Role, SurfaceDesign};
 
 #[test]
 fn a_model_is_a_scene_under_a_condition_and_knows_its_parameters() {
@@ -122,7 +122,7 @@ scene.drum.changes = ["protocol.frames = 4"]
 fn without_a_search_the_whole_library_is_searched_or_its_refusal_told() {
     let study = right(STUDY);
     let all = study.problem.effects.len() + study.not_applicable.len();
-    assert_eq!(all, effect_library::names().len());
+    assert_eq!(all, simulators::effects::names().len());
     assert!(!study.problem.effects.is_empty());
 }
 
@@ -204,7 +204,7 @@ fn a_folder_of_photos_gives_mean_scatter_and_shape() {
     let fill = study.problem.measurements.iter();
     let fill: Vec<_> = fill.filter(|m| m.observable == "fill_level").collect();
     assert_eq!(fill.len(), 1);
-    assert_eq!(fill[0].role, calibration::Role::Show);
+    assert_eq!(fill[0].role, inference::Role::Show);
     assert_eq!(fill[0].mean, study.photos[0].further["fill_level"].mean);
 }
 
@@ -253,7 +253,7 @@ fn photos_are_read_as_the_file_says() {
         }
         let mut mask = image::GrayImage::from_pixel(406, 406, image::Luma([255]));
         mask.put_pixel(0, 0, image::Luma([0]));
-        drawn_pictures::save(mask, folder.path("mask.png")).unwrap();
+        dev_support::drawn_pictures::save(mask, folder.path("mask.png")).unwrap();
     }
     let [as_is, turned] = [as_is, turned].map(|folder| folder.read(None).unwrap());
     let angles = &as_is.photos[0].angles_deg;
@@ -285,20 +285,20 @@ fn a_photo_on_its_side_is_named_and_an_overlay_is_no_photo() {
         "photos = \"photos\"",
     ));
     std::fs::create_dir(folder.path("photos")).unwrap();
-    let drawn = drawn_pictures::Scene {
+    let drawn = dev_support::drawn_pictures::Scene {
         size: 240,
         radius: 112.0,
         inclination: 0.6,
-        ..drawn_pictures::Scene::default()
+        ..dev_support::drawn_pictures::Scene::default()
     }
     .draw();
     let settings = photo_profile::Settings::default();
     let reading = photo_profile::measure_image(&drawn, &settings).unwrap();
     let overlay = photo_profile::overlay_gray(&drawn, &reading, &settings);
     let turned = image::imageops::rotate90(&drawn);
-    drawn_pictures::save(overlay, folder.path("photos/c.png")).unwrap();
-    drawn_pictures::save(drawn, folder.path("photos/a.png")).unwrap();
-    drawn_pictures::save(turned, folder.path("photos/b.png")).unwrap();
+    dev_support::drawn_pictures::save(overlay, folder.path("photos/c.png")).unwrap();
+    dev_support::drawn_pictures::save(drawn, folder.path("photos/a.png")).unwrap();
+    dev_support::drawn_pictures::save(turned, folder.path("photos/b.png")).unwrap();
     std::fs::write(folder.path("photos/._a.png"), "no picture").unwrap();
     let study = folder.read(None).unwrap();
     let photos = &study.photos[0];
@@ -442,7 +442,7 @@ sd = 0
     assert_eq!(names, ["seed_count", "D"]);
     assert_eq!(inputs[1].range, [98.5, 101.5]);
     assert_eq!((inputs[1].start, inputs[1].is_input), (100.0, true));
-    let acts = |model: &calibration::Model| model.parameters.contains(&problem.n_tuned());
+    let acts = |model: &inference::Model| model.parameters.contains(&problem.n_tuned());
     for model in &problem.models {
         assert_eq!(acts(model), model.scene == "drum", "{}", model.name);
     }

@@ -2,7 +2,7 @@
 
 use super::folder::{changed, wrong};
 use super::refused::tells;
-use fixture_files::fixture;
+use dev_support::fixture_files::fixture;
 
 #[test]
 fn a_measurement_without_scatter_or_number_is_refused() {

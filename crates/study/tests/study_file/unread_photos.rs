@@ -2,7 +2,7 @@
 
 use super::folder::{Folder, changed};
 use super::refused::tells;
-use drawn_pictures::Scene;
+use dev_support::drawn_pictures::Scene;
 use study::{Error, Study};
 
 /// The study with drawn pictures at 30 rpm whose angles alternate by a degree about 34 deg; the files of some numbers are damaged.
@@ -22,7 +22,7 @@ fn with_damage(n: usize, damaged: &[usize], more: &str) -> Result<Study, Error> 
             inclination,
             ..Scene::default()
         };
-        drawn_pictures::save(scene.draw(), &file).expect("written");
+        dev_support::drawn_pictures::save(scene.draw(), &file).expect("written");
         if damaged.contains(&k) {
             let bytes = std::fs::read(&file).expect("a picture");
             std::fs::write(&file, &bytes[..bytes.len() / 3]).expect("written");

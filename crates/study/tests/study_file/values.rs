@@ -1,7 +1,7 @@
 //! Parameters that are handed over, and taken up again.
 
 use super::folder::{Folder, STUDY, right};
-use calibration::Estimate;
+use inference::Estimate;
 use study::{parameter_file, write_result};
 
 /// Estimates of both parameters of the study.

@@ -3,7 +3,7 @@
 //! The cases are the same every time. `just fuzz-meshes` runs eight hundred times as many, which
 //! takes about ten minutes.
 
-use random_stream::Stream;
+use probability::random_stream::Stream;
 use trimesh::{LengthUnit, SignedDistance, parse_mesh, shapes};
 
 /// Cases of a plain test run: about a second.

@@ -1,6 +1,6 @@
 //! Our reader of STL against that of the crate `stl_io`.
 
-use fixture_files::fixture;
+use dev_support::fixture_files::fixture;
 use std::fs::File;
 use std::io::Cursor;
 use trimesh::{LengthUnit, parse_stl, read_stl};

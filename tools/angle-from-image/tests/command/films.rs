@@ -2,7 +2,7 @@
 //! `just films`.
 
 use super::{folder, text};
-use drawn_pictures::Scene;
+use dev_support::drawn_pictures::Scene;
 use image::GrayImage;
 use image::codecs::pnm::PnmEncoder;
 use serde_json::Value;
@@ -157,7 +157,8 @@ fn a_film_that_cannot_be_read_is_an_error() {
 fn real_films_are_read() {
     let folder = super::folder("real films");
     for (number, slope) in SLOPES.iter().enumerate() {
-        drawn_pictures::save(drum(*slope), folder.join(format!("{number}.png"))).unwrap();
+        dev_support::drawn_pictures::save(drum(*slope), folder.join(format!("{number}.png")))
+            .unwrap();
     }
     for (name, codec) in [
         ("a.mp4", "libx264"),

@@ -1,7 +1,7 @@
 //! Heaps.
 
 use super::{GOOD, folder, photo, run, text};
-use drawn_pictures::save;
+use dev_support::drawn_pictures::save;
 use serde_json::Value;
 
 /// A heap with flanks of 0.5 and 0.66 rad, 28.6 and 37.8 degrees, mean 33.2: both flanks, the apex
@@ -10,10 +10,10 @@ use serde_json::Value;
 fn a_heap_gives_both_flanks_and_a_drum_none() {
     let folder = folder("heap");
     let path = folder.join("heap.png");
-    let heap = drawn_pictures::HeapScene {
+    let heap = dev_support::drawn_pictures::HeapScene {
         flanks: [0.5, 0.66],
         rounding: 0.005,
-        ..drawn_pictures::HeapScene::default()
+        ..dev_support::drawn_pictures::HeapScene::default()
     };
     save(heap.draw(), &path).unwrap();
     let overlay = folder.join("overlay.png");
@@ -54,17 +54,17 @@ fn a_heap_gives_both_flanks_and_a_drum_none() {
 fn what_a_heap_shows_of_its_foot_and_its_camera_is_told() {
     let folder = folder("leaning heap");
     let (spread, above) = (folder.join("spread.png"), folder.join("above.png"));
-    let plain = drawn_pictures::HeapScene {
+    let plain = dev_support::drawn_pictures::HeapScene {
         tones: [60.0, 210.0, 210.0],
         rounding: 0.005,
-        ..drawn_pictures::HeapScene::default()
+        ..dev_support::drawn_pictures::HeapScene::default()
     };
-    let with_foot = drawn_pictures::HeapScene {
+    let with_foot = dev_support::drawn_pictures::HeapScene {
         spread: 0.5,
         ..plain
     };
     save(with_foot.draw(), &spread).unwrap();
-    let from_above = drawn_pictures::HeapScene {
+    let from_above = dev_support::drawn_pictures::HeapScene {
         lean: 2.0_f64.to_radians(),
         elevation: 12.0_f64.to_radians(),
         ..plain
@@ -103,11 +103,11 @@ fn what_a_heap_shows_of_its_foot_and_its_camera_is_told() {
 fn a_heap_that_is_too_uncertain_enters_no_mean() {
     let folder = folder("uncertain heap");
     for (name, flanks) in [("a.png", [0.56, 0.56]), ("b.png", [0.6, 0.95])] {
-        let heap = drawn_pictures::HeapScene {
+        let heap = dev_support::drawn_pictures::HeapScene {
             width: 480,
             flanks,
             rounding: 0.005,
-            ..drawn_pictures::HeapScene::default()
+            ..dev_support::drawn_pictures::HeapScene::default()
         };
         save(heap.draw(), folder.join(name)).unwrap();
     }

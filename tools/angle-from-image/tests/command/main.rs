@@ -10,7 +10,7 @@ mod photos;
 mod series;
 mod views;
 
-use fixture_files::fixture;
+use dev_support::fixture_files::fixture;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 

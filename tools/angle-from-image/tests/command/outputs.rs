@@ -18,7 +18,7 @@ fn the_table_may_be_a_workbook() {
             file.to_str().unwrap(),
         ]);
         assert_eq!(output.status.code(), Some(1), "one is refused");
-        table_file::read(&file).unwrap()
+        command_line::table_file::read(&file).unwrap()
     });
     assert!(
         std::fs::read(folder.join("angles.xlsx"))
@@ -118,8 +118,8 @@ fn a_table_has_a_row_for_every_picture() {
         }
     }
     let heap = folder.join("heap.png");
-    let scene = drawn_pictures::HeapScene::default();
-    drawn_pictures::save(scene.draw(), &heap).unwrap();
+    let scene = dev_support::drawn_pictures::HeapScene::default();
+    dev_support::drawn_pictures::save(scene.draw(), &heap).unwrap();
     let heaps = folder.join("heaps.csv");
     let words = [heap.to_str().unwrap(), "--mode", "heap", "--json", "--csv"];
     let output = run(&[&words[..], &[heaps.to_str().unwrap()]].concat());

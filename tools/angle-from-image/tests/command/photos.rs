@@ -1,7 +1,7 @@
 //! What a photo gives, and how to go on without an angle.
 
 use super::{GOOD, REFUSED, folder, photo, run, text};
-use drawn_pictures::save;
+use dev_support::drawn_pictures::save;
 use serde_json::Value;
 
 /// The hand reading of the chord is 35.0 +- 0.8 degrees, of the middle 41.2 +- 1.0.
@@ -153,7 +153,7 @@ fn what_cannot_be_read_or_meant_exits_2() {
 /// flag allows for their error. A blank picture has words only.
 #[test]
 fn a_refusal_names_the_flag_to_go_on_with() {
-    use drawn_pictures::Scene;
+    use dev_support::drawn_pictures::Scene;
     let folder = folder("advice");
     let low = Scene {
         size: 400,

@@ -1,7 +1,7 @@
 //! Folders and series.
 
 use super::{GOOD, folder, photo, run, text};
-use drawn_pictures::save;
+use dev_support::drawn_pictures::save;
 use serde_json::Value;
 
 #[test]
@@ -90,11 +90,11 @@ fn a_bad_file_in_a_folder_does_not_cost_the_others() {
 fn pictures_at_a_rate_tell_avalanches() {
     let folder = folder("rate");
     for k in 0..44 {
-        let scene = drawn_pictures::Scene {
+        let scene = dev_support::drawn_pictures::Scene {
             size: 240,
             radius: 112.0,
             inclination: (30.0 + f64::from((k + 3) % 8)).to_radians(),
-            ..drawn_pictures::Scene::default()
+            ..dev_support::drawn_pictures::Scene::default()
         };
         let file = folder.join(format!("{k:02}.png"));
         save(scene.draw(), file).unwrap();
@@ -126,10 +126,10 @@ fn pictures_at_a_rate_tell_avalanches() {
 #[test]
 fn tiff_and_webp_in_a_folder_are_read_and_what_is_skipped_is_named() {
     let folder = folder("formats");
-    let drawn = drawn_pictures::Scene {
+    let drawn = dev_support::drawn_pictures::Scene {
         size: 240,
         radius: 112.0,
-        ..drawn_pictures::Scene::default()
+        ..dev_support::drawn_pictures::Scene::default()
     }
     .draw();
     save(drawn.clone(), folder.join("a.png")).unwrap();
@@ -161,11 +161,11 @@ fn tiff_and_webp_in_a_folder_are_read_and_what_is_skipped_is_named() {
 fn overlays_in_the_folder_of_the_photos_are_left_out() {
     let folder = folder("own overlays");
     for (name, inclination) in [("1.png", 0.5), ("2.png", 0.6)] {
-        let scene = drawn_pictures::Scene {
+        let scene = dev_support::drawn_pictures::Scene {
             size: 240,
             radius: 112.0,
             inclination,
-            ..drawn_pictures::Scene::default()
+            ..dev_support::drawn_pictures::Scene::default()
         };
         let colours = image::DynamicImage::from(scene.draw()).into_rgb8();
         save(colours, folder.join(name)).unwrap();
@@ -193,11 +193,11 @@ fn overlays_in_the_folder_of_the_photos_are_left_out() {
 #[test]
 fn a_picture_on_its_side_is_named() {
     let folder = folder("sideways");
-    let drawn = drawn_pictures::Scene {
+    let drawn = dev_support::drawn_pictures::Scene {
         size: 240,
         radius: 112.0,
         inclination: 0.6,
-        ..drawn_pictures::Scene::default()
+        ..dev_support::drawn_pictures::Scene::default()
     }
     .draw();
     for name in ["a.png", "b.png", "d.png"] {

@@ -1,7 +1,7 @@
 //! Which part of a picture is looked at, and which way is level in it.
 
 use super::{folder, run, text};
-use drawn_pictures::{Scene, save};
+use dev_support::drawn_pictures::{Scene, save};
 use image::{GrayImage, Luma, imageops};
 use serde_json::Value;
 use std::path::{Path, PathBuf};

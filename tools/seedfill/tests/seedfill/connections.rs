@@ -1,7 +1,7 @@
 //! Pieces, contacts and bonds.
 
 use crate::{fixture, json_of, path_text, text};
-use clump::{MassProperties, Sphere};
+use geometry::clump::{MassProperties, Sphere};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -117,7 +117,7 @@ fn the_bonds_are_those_of_the_solver() {
         centre: Vector3::zeros(),
         inertia: Matrix3::identity() * 1e-10,
     };
-    let clump = clump::Clump::new(&spheres, &properties).unwrap();
+    let clump = geometry::clump::Clump::new(&spheres, &properties).unwrap();
     let start = dem_solver::Placement {
         template: 0,
         position: Vector3::zeros(),

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 fn fixture(name: &str) -> PathBuf {
-    fixture_files::fixture("stl").join(name)
+    dev_support::fixture_files::fixture("stl").join(name)
 }
 
 /// Runs the command with little search work.

@@ -52,7 +52,7 @@ fn a_bad_mesh_does_not_lose_the_others() {
     assert!(rows[1]["shape"].is_null() && rows[2]["shape"].is_null());
     assert!((rows[3]["shape"]["flatness"].as_f64().unwrap() - 1.0 / 1.5).abs() < 1e-9);
     assert!(rows[3]["spheres"].is_null());
-    let table = table_file::read(&at.join("shapes.csv")).unwrap();
+    let table = command_line::table_file::read(&at.join("shapes.csv")).unwrap();
     let head = "mesh volume_mm3 area_mm2 equivalent_diameter_mm longest_mm intermediate_mm shortest_mm elongation \
                 flatness sphericity spheres volume_share problem";
     assert_eq!(table.header().join(" "), head);
@@ -67,7 +67,7 @@ fn a_bad_mesh_does_not_lose_the_others() {
     assert_eq!(worst.status.code(), Some(2));
     let good = shapes(at, &["a.obj", "b, c.obj", "--shapes", "book.xlsx"]);
     assert_eq!(good.status.code(), Some(0), "{}", text(&good.stderr));
-    let book = table_file::read(&at.join("book.xlsx")).unwrap();
+    let book = command_line::table_file::read(&at.join("book.xlsx")).unwrap();
     let volume = book.column("volume_mm3").unwrap();
     assert!((book.number(&book.rows()[1], volume).unwrap() - 4.5).abs() < 1e-9);
     assert!(

@@ -1,7 +1,7 @@
 //! Bodies given as stacks of slices.
 
 use super::{json_of, path_text, seedfill, text};
-use drawn_pictures::save;
+use dev_support::drawn_pictures::save;
 use image::{ImageBuffer, Luma};
 use std::f64::consts::PI;
 use std::path::Path;

@@ -52,7 +52,7 @@ pub(super) struct Data {
 
 /// The file of the factors, if the argument is one.
 pub(super) fn factor_file(argument: &str) -> Option<PathBuf> {
-    table_file::is_table(argument).then(|| PathBuf::from(argument))
+    command_line::table_file::is_table(argument).then(|| PathBuf::from(argument))
 }
 
 /// Reads the table.
@@ -66,7 +66,7 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
     }
     let path = &arguments.data;
     let place = || path.display().to_string();
-    let table = table_file::read(path)?;
+    let table = command_line::table_file::read(path)?;
     ensure!(
         table.rows().len() <= MOST_ROWS,
         "{}: it has {} rows; an analysis takes {MOST_ROWS} at most: average runs of the same settings, with --n and --sd",
@@ -444,7 +444,7 @@ fn optional_columns(table: &Table, names: &[String]) -> anyhow::Result<Vec<usize
 fn given_factors(argument: &str) -> anyhow::Result<Vec<(String, Option<Factor>)>> {
     if let Some(path) = factor_file(argument) {
         let place = path.display().to_string();
-        let factors = factors_from_table(&table_file::read(&path)?).context(place)?;
+        let factors = factors_from_table(&command_line::table_file::read(&path)?).context(place)?;
         return Ok(factors
             .into_iter()
             .map(|f| (f.symbol().to_owned(), Some(f)))

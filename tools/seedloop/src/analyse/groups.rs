@@ -33,7 +33,7 @@ struct Report {
 /// Files that cannot be read or written, columns that are missing, fewer than two groups.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let place = || arguments.data.display().to_string();
-    let table = table_file::read(&arguments.data)?;
+    let table = command_line::table_file::read(&arguments.data)?;
     let named = arguments.factors.as_deref().unwrap_or_default();
     ensure!(
         !named.contains(','),
@@ -91,7 +91,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         );
     }
     common.emit_json(&Report {
-        header: Header::new(None, [table_file::file_of(&arguments.data)])?,
+        header: Header::new(None, [command_line::table_file::file_of(&arguments.data)])?,
         response: table.header()[response].clone(),
         groups: table.header()[group].clone(),
         analysis,

@@ -51,7 +51,7 @@ pub(super) fn predictions(
     transform: Option<Transform>,
 ) -> anyhow::Result<Vec<Predicted>> {
     let place = || path.display().to_string();
-    let table = table_file::read(path)?;
+    let table = command_line::table_file::read(path)?;
     let rows = table.rows();
     ensure!(
         rows.len() <= MOST_POINTS,

@@ -1,8 +1,8 @@
 //! What a calibration says on standard output.
 
-use calibration::{Calibration, Comparison, DiagnosisStage, Estimate, InputEstimate};
 use campaign::{range_in_words, time_in_words};
 use command_line::significant;
+use inference::{Calibration, Comparison, DiagnosisStage, Estimate, InputEstimate};
 use report::counted;
 use std::collections::BTreeMap;
 use std::fmt::{Arguments, Write as _};

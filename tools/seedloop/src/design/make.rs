@@ -268,7 +268,7 @@ pub(super) fn analysis(
         .as_deref()
         .context("this needs --analysis ANALYSIS.json, written by seedloop analyse --json")?;
     let place = file.display();
-    let text = input_file::read_text(file).with_context(|| format!("cannot read {place}"))?;
+    let text = input::file::read_text(file).with_context(|| format!("cannot read {place}"))?;
     let fit: Fit = serde_json::from_str(&text).with_context(|| {
         format!("{place} is no analysis; write one with seedloop analyse --json")
     })?;

@@ -118,7 +118,7 @@ fn given(
         return Ok(Vec::new());
     };
     let place = || file.display().to_string();
-    let table = table_file::read(file)?;
+    let table = command_line::table_file::read(file)?;
     let design = design_from_table(&table, factors).with_context(place)?;
     let levels = categories::of_table(&table, named).with_context(place)?;
     let number = |(factor, level): (&Categorical, &String)| {

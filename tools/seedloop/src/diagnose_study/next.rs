@@ -11,8 +11,8 @@ const MOST_LINES: usize = 5;
 pub(super) fn text(study: &Study, result: &DiagnosisResult, folder: &Path) -> String {
     let mut out = String::new();
     let next = match &result.diagnosis {
-        calibration::DiagnosisStage::Done(done) => done.diagnosis.next_measurement.as_ref(),
-        calibration::DiagnosisStage::LeftOut { .. } => None,
+        inference::DiagnosisStage::Done(done) => done.diagnosis.next_measurement.as_ref(),
+        inference::DiagnosisStage::LeftOut { .. } => None,
     };
     let Some((next, first)) = next.zip(result.next.first()) else {
         return out;
@@ -64,7 +64,7 @@ pub(super) fn text(study: &Study, result: &DiagnosisResult, folder: &Path) -> St
 
 /// Candidates that could not be run.
 fn left_out(result: &DiagnosisResult) -> Vec<String> {
-    let calibration::DiagnosisStage::Done(done) = &result.diagnosis else {
+    let inference::DiagnosisStage::Done(done) = &result.diagnosis else {
         return Vec::new();
     };
     let reasons = done.offered.iter().filter_map(|o| {

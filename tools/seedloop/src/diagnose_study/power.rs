@@ -1,8 +1,8 @@
 //! What a study can be expected to tell, before any run.
 
 use anyhow::Context as _;
-use calibration::{PowerTable, power_of_design};
-use residual_diagnosis::{Power, Problem, ProblemFile, TrialRow, Truth, trials, usual_truths};
+use inference::diagnosis::{Power, Problem, ProblemFile, TrialRow, Truth, trials, usual_truths};
+use inference::{PowerTable, power_of_design};
 use std::path::Path;
 use study::Study;
 
@@ -23,7 +23,7 @@ pub(super) fn text(
     seed: u64,
     threads: usize,
 ) -> anyhow::Result<String> {
-    let settings = calibration::LoopSettings {
+    let settings = inference::LoopSettings {
         seed,
         ..study.settings.clone()
     };
@@ -108,7 +108,7 @@ fn of_folder(
         return Ok(None);
     }
     let text =
-        input_file::read_text(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        input::file::read_text(&path).with_context(|| format!("cannot read {}", path.display()))?;
     let file: ProblemFile = serde_json::from_str(&text)
         .with_context(|| format!("{} is not a problem file", path.display()))?;
     let values = file.residual_obs_minus_sim.iter().flatten().count();

@@ -1,9 +1,9 @@
 //! The report of a diagnosis: what the runs say, and how often these rules are right.
 
 use anyhow::Context as _;
-use calibration::{ResidualStudy, runs_needed};
 use command_line::Common;
-use residual_diagnosis::{Problem, TrialRow, trials, usual_truths};
+use inference::diagnosis::{Problem, TrialRow, trials, usual_truths};
+use inference::{ResidualStudy, runs_needed};
 use std::path::Path;
 use study::{DiagnosisResult, Study};
 use study_report::{DiagnosisInput, Extent};

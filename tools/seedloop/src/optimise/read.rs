@@ -40,7 +40,7 @@ struct Named {
 pub(super) fn read(path: &Path, arguments: &Arguments) -> anyhow::Result<Read> {
     let bounds = &arguments.bounds;
     let place = path.display();
-    let text = input_file::read_text(path).with_context(|| format!("cannot read {place}"))?;
+    let text = input::file::read_text(path).with_context(|| format!("cannot read {place}"))?;
     let fit: Fit = serde_json::from_str(&text).with_context(|| {
         format!("{place} is no analysis; write one with seedloop analyse --json")
     })?;

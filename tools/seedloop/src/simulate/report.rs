@@ -3,12 +3,12 @@
 use super::Outcome;
 use crate::analyse::fixed;
 use anyhow::Context as _;
+use campaign::run_store::Observation;
 use command_line::{Header, significant};
-use run_store::Observation;
 use scene::{Doubt, Override, Scene};
-use scene_simulator::{FrameDetails, RunDetails, TimingDetails, unread_frames};
 use serde::Serialize;
 use serde_json::Value;
+use simulators::scene_simulator::{FrameDetails, RunDetails, TimingDetails, unread_frames};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -312,7 +312,7 @@ fn disagreements(observables: &BTreeMap<String, Observation>) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::disagreements;
-    use run_store::Observation;
+    use campaign::run_store::Observation;
     use std::collections::BTreeMap;
 
     /// What a run shows by picture and by position: the mean difference of 20 frames with its standard deviation, and both fills.

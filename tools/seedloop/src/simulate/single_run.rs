@@ -1,9 +1,9 @@
 //! One run of a scene as a record that the store can keep.
 
+use campaign::run_store::Record;
 use campaign::{RunRequest, Simulator as _};
-use run_store::Record;
 use scene::{Keeper, Progress, RunResult, Scene, run_retrying};
-use scene_simulator::{Effort, SceneSimulator, outcome_of};
+use simulators::scene_simulator::{Effort, SceneSimulator, outcome_of};
 use std::collections::BTreeMap;
 use std::time::Instant;
 

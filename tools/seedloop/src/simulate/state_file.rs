@@ -4,8 +4,8 @@
 
 use super::run_line::RunLine;
 use anyhow::Context as _;
+use campaign::run_store::{seal_text, set_file_aside, unseal_text};
 use command_line::{Common, Overwrite, write_new};
-use run_store::{seal_text, set_file_aside, unseal_text};
 use scene::{Keeper, Progress, RunStage};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -99,7 +99,7 @@ impl<'a> StateFile<'a> {
         let mut left = Left::default();
         let mut newest = None;
         for (number, path) in self.present() {
-            let bytes = input_file::read(path)
+            let bytes = input::file::read(path)
                 .with_context(|| format!("{} (remove it to start the run anew)", path.display()))?;
             let read = unseal_text(&self.key, &bytes).and_then(|json| {
                 serde_json::from_slice::<Progress>(json).map_err(|why| why.to_string())

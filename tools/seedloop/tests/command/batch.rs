@@ -31,7 +31,7 @@ fn study(folder: &Path) {
 /// A result without what depends on the clock.
 fn result(folder: &Path, out: &str) -> Value {
     let bytes = fs::read(folder.join(out).join("result.json")).unwrap();
-    let mut result = run_store::unseal(&bytes).unwrap();
+    let mut result = campaign::run_store::unseal(&bytes).unwrap();
     result.as_object_mut().unwrap().remove("cost");
     result
 }

@@ -96,7 +96,8 @@ fn bench_tests_give_back_the_frictions_behind_them() {
         value(&first, "S")
     );
     let folder_of = here.join("out/bench");
-    let written = run_store::unseal(&fs::read(folder_of.join("result.json")).unwrap()).unwrap();
+    let written =
+        campaign::run_store::unseal(&fs::read(folder_of.join("result.json")).unwrap()).unwrap();
     assert_eq!(written, first);
     let report = fs::read_to_string(folder_of.join("report.html")).unwrap();
     assert!(report.ends_with("</html>\n"));

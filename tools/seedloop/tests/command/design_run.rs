@@ -56,7 +56,11 @@ fn a_design_in_a_workbook_is_run() {
     let short: Vec<&str> = design.lines().take(3).collect();
     let workbook = |name: &str, csv: &str| {
         let file = here.join(name);
-        fs::write(&file, table_file::bytes_for(&file, csv).unwrap()).unwrap();
+        fs::write(
+            &file,
+            command_line::table_file::bytes_for(&file, csv).unwrap(),
+        )
+        .unwrap();
     };
     workbook("short.xlsx", &short.join("\n"));
     let words = [
@@ -68,8 +72,9 @@ fn a_design_in_a_workbook_is_run() {
         "short",
     ];
     assert_code(&seedloop(here, &[&words[..], &BINDS].concat()), 0);
-    let [csv, xlsx] = ["csv", "xlsx"]
-        .map(|end| table_file::read(&here.join(format!("short/results.{end}"))).unwrap());
+    let [csv, xlsx] = ["csv", "xlsx"].map(|end| {
+        command_line::table_file::read(&here.join(format!("short/results.{end}"))).unwrap()
+    });
     assert_eq!((csv.header(), csv.rows().len()), (xlsx.header(), 2));
     for (row, expected) in xlsx.rows().iter().zip(csv.rows()) {
         for column in 0..csv.header().len() {

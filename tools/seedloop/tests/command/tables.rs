@@ -19,7 +19,11 @@ fn words_in(folder: &Path, words: &str) -> Output {
 /// Text as a workbook in a folder.
 fn workbook(folder: &Path, name: &str, csv: &str) {
     let file = folder.join(name);
-    fs::write(&file, table_file::bytes_for(&file, csv).unwrap()).unwrap();
+    fs::write(
+        &file,
+        command_line::table_file::bytes_for(&file, csv).unwrap(),
+    )
+    .unwrap();
 }
 
 /// The design of three factors with a response behind each run: `response` of its coded values, and a scatter of some
@@ -72,8 +76,8 @@ fn a_workbook_gives_the_analysis_of_its_csv_to_the_last_digit() {
     let here = folder.path();
     let words = "design bbd --factors factors.xlsx --seed 3 --out design.xlsx --json design.json";
     assert_code(&words_in(here, words), 0);
-    let [csv, xlsx] =
-        ["design.csv", "design.xlsx"].map(|name| table_file::read(&here.join(name)).unwrap());
+    let [csv, xlsx] = ["design.csv", "design.xlsx"]
+        .map(|name| command_line::table_file::read(&here.join(name)).unwrap());
     assert_eq!(csv.header(), xlsx.header());
     for (row, expected) in xlsx.rows().iter().zip(csv.rows()) {
         for column in 0..csv.header().len() {

@@ -6,11 +6,11 @@
 
 use crate::{command, drum, kept, mean_and_variance, run_deck};
 use dem_solver::Placement;
-use exchange::Moment;
-use exchange::lammps;
+use input::quantity::Time;
 use nalgebra::Vector3;
-use quantity::Time;
 use scene::{FillingLibrary, Frame, Scene, running_world, starting_frame};
+use simulators::exchange::Moment;
+use simulators::exchange::lammps;
 
 /// Time step of both codes: a quarter of what the scene would take, s.
 const STEP: f64 = 2e-5;
@@ -91,11 +91,11 @@ fn seeds_fall_as_in_lammps_and_not_with_gravity_friction_or_damping_ten_per_cent
     let mut damped = scene();
     for (pair, contact) in &mut rough.contact {
         let friction = 1.1 * contact.static_friction.get();
-        contact.static_friction = quantity::FrictionCoefficient::new(friction).expect(pair);
+        contact.static_friction = input::quantity::FrictionCoefficient::new(friction).expect(pair);
     }
     for (pair, contact) in &mut damped.contact {
         let restitution = restitution_with(1.1, contact.restitution.get());
-        contact.restitution = quantity::Restitution::new(restitution).expect(pair);
+        contact.restitution = input::quantity::Restitution::new(restitution).expect(pair);
     }
     for (name, wrong) in [("gravity", heavy), ("friction", rough), ("damping", damped)] {
         let (mean, _) = difference(&heights(&wrong));

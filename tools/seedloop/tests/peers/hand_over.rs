@@ -1,7 +1,7 @@
 //! Calibrated parameters on their way to another code: `seedloop export` with a parameter file, and the code runs the deck.
 
 use crate::{SPHERES, command};
-use exchange::dump;
+use simulators::exchange::dump;
 use std::fs;
 use std::path::Path;
 use std::process::Command;

@@ -10,10 +10,10 @@ mod hand_over;
 mod simulator;
 mod steady;
 
-use exchange::vtk::File;
-use exchange::{Moment, dump};
-use fixture_files::fixture;
+use dev_support::fixture_files::fixture;
 use scene::{Override, Scene};
+use simulators::exchange::vtk::File;
+use simulators::exchange::{Moment, dump};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;

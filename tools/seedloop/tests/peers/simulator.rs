@@ -2,8 +2,8 @@
 
 use crate::{command, drum};
 use campaign::{RunRequest, Simulator};
-use external_simulator::{Keep, Peer, PeerSettings, PeerSimulator};
-use scene_simulator::{Binding, SceneSimulator};
+use simulators::external_simulator::{Keep, Peer, PeerSettings, PeerSimulator};
+use simulators::scene_simulator::{Binding, SceneSimulator};
 use std::collections::BTreeMap;
 
 /// The small drum of coarse seeds.

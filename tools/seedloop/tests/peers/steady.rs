@@ -1,11 +1,11 @@
 //! The bed in its steady state: angle, curvature, slip at the shell, kinetic energy.
 
 use crate::{RADIUS, SEEDS, command, drum, kept, mean_and_variance, run_deck};
-use exchange::Moment;
-use exchange::vtk::File;
-use exchange::{lammps, liggghts};
 use rayon::prelude::*;
 use scene::{FillingLibrary, Scene, starting_frame};
+use simulators::exchange::Moment;
+use simulators::exchange::vtk::File;
+use simulators::exchange::{lammps, liggghts};
 
 /// Moments of a dump that count, 0.1 s apart: the last 2 of 3 s of rotation.
 const STEADY: usize = 20;

@@ -1,8 +1,8 @@
 //! Log relative errors on the reference data sets of NIST (`fixtures/nist`).
 
+use dev_support::fixture_files::fixture;
 use experiment_design::Factor;
 use experiment_design::table::Table;
-use fixture_files::fixture;
 use response_surface::{Cell, Model, Observations, fit, one_way, one_way_decimals};
 use serde_json::Value;
 use std::error::Error;

@@ -1,8 +1,8 @@
 //! Differences from R over the data sets of `fixtures/r`.
 
+use dev_support::fixture_files::fixture;
 use experiment_design::Factor;
 use experiment_design::table::Table;
-use fixture_files::fixture;
 use response_surface::fit::{Case, Information, TermRow, TypedRow};
 use response_surface::{Cell, Fit, Model, NamedValues, Observations, fit, one_way, spread};
 use serde_json::Value;

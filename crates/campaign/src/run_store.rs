@@ -1,0 +1,55 @@
+//! Records of finished runs under a content key, written whole or not at all.
+//!
+//! A store is one folder with one file per finished run. The name of the file is the key of the
+//! run: a hash of what the run depends on (code version, inputs, seed), so a run that was done is
+//! found again and a run that differs in anything is not.
+//!
+//! ```
+//! use campaign::run_store::{Lookup, Observation, Record, Store};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let folder = tempfile::tempdir()?;
+//! let store = Store::open(folder.path())?;
+//! let inputs = serde_json::json!({"rpm": 15.0, "friction": 0.32});
+//! let angle = Observation { mean: 38.9, sd: Some(0.6), n: 10, unit: "deg".into() };
+//! let record = Record::new("0.1.0", inputs, 7)?.with_observable("angle", angle)?;
+//! store.put(&record)?;
+//! assert_eq!(store.get(record.key())?, Lookup::Found(record));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Those who share a folder tell each other by claims what they are at ([`Store::claim`]).
+//!
+//! Invariants:
+//! - a record file is complete or absent, whatever kills the process and whoever else writes;
+//! - what was altered after it was written is never taken for a record, and never deleted;
+//! - the key does not depend on the order of map keys, nor on whether 1 was written 1.0;
+//! - nothing that is not a finite number gets in.
+
+mod canonical;
+mod claim;
+mod disk;
+mod error;
+mod folder;
+mod machine;
+mod names;
+mod owner;
+mod record;
+mod record_file;
+mod sealed;
+mod set_aside;
+mod store;
+mod view;
+mod write_whole;
+
+pub use canonical::{SCHEMA, canonical_json, run_key};
+pub use claim::{Attempt, CLAIM_LIFE, Claim, Holder};
+pub use disk::{Disk, Fault};
+pub use error::Error;
+pub use owner::{ClaimKeeper, Entry};
+pub use record::{Observation, Record};
+pub use sealed::{seal, seal_text, seal_without, unseal, unseal_text};
+pub use set_aside::set_file_aside;
+pub use store::{Lookup, Store};
+pub use view::{FolderView, read_record, record_path};
+pub use write_whole::{write_whole, write_whole_unsynced};

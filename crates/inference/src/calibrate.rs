@@ -1,0 +1,576 @@
+//! The loop: screening, surfaces, joint estimate, box after box, fresh runs, check, residual.
+
+use crate::coarse_graining::{told, trends};
+use crate::comparison::{SurfacesByModel, compare};
+use crate::confirmation::{Confirmed, confirm, mean};
+use crate::diagnosis_stage::{self, diagnose_at, length_of};
+use crate::intervals::{Uncertainty, best_of, estimates, inputs, test};
+use crate::joint::{joint_estimate, planes, region_about, slope_runs, with_slopes};
+use crate::samples::{Asked, Runner, Sample, Samples, Wanted, first_seed, observables, wanted};
+use crate::screening::screen_models;
+use crate::search::{Found, Search};
+use crate::solution_set::solution_set;
+use crate::verdict::verdict;
+use crate::with_effects::judged_with;
+use crate::{
+    Calibration, CalibrationProblem, Comparison, DiagnosisStage, Error, Estimate, InputEstimate,
+    JointEstimate, LoopSettings, PlannedStage, Role, RunList, StageCost, planned,
+};
+use campaign::{Campaign, RunOutcome, RunRequest, Simulator, SimulatorError};
+use input::quantity::significant;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// Stage number of the runs with the parameters in use before.
+const STAGE_BEFORE: u64 = 0;
+/// Stage number of the runs of models that the fit does not use, at the estimate.
+const STAGE_CHECK: u64 = 60;
+
+/// Standard deviations by which an input may move without a remark.
+const FAR: f64 = 2.0;
+/// Place of the screening in the plan.
+const SCREENING: usize = 1;
+/// Place of the surfaces.
+const SURFACES: usize = 2;
+/// Place of the confirmation.
+const CONFIRMATION: usize = 3;
+/// Place of the check.
+const CHECK: usize = 4;
+/// Place of the diagnosis.
+const DIAGNOSIS: usize = 5;
+
+/// Calibrates the parameters of a problem and says whether the result holds.
+///
+/// `announce` is told each stage as it begins.
+///
+/// # Errors
+///
+/// An invalid problem, runs too few for any surface, a campaign
+/// that was stopped. That the measurements are out of reach or contradict each other is a result and no error.
+pub fn calibrate(
+    campaign: &Campaign<'_>,
+    simulator: &dyn Simulator,
+    problem: &CalibrationProblem,
+    settings: &LoopSettings,
+    announce: &dyn Fn(&str),
+) -> Result<Calibration, Error> {
+    problem.check()?;
+    let counted = Counted::new(simulator);
+    let asked = Asked { problem, settings };
+    let stages = planned(problem, settings)?;
+    let elsewhere = within_budget(&stages, settings)?;
+    let runner = Runner {
+        campaign: *campaign,
+        simulator: &counted,
+        asked,
+    };
+    let mut clock = Clock::new(announce, (&runner, &counted), &stages);
+    clock.begin(0);
+    let before = before(&runner)?;
+    clock.begin(SCREENING);
+    let screened = screen_models(&runner)?;
+    let mut search = Search::new(runner, screened.active, elsewhere);
+    clock.expect(SURFACES, &search.planned(&stages[SURFACES])?);
+    clock.begin(SURFACES);
+    let found = found(problem, &mut search, announce)?;
+    clock.expect(CONFIRMATION, &with_boxes_left(&stages, &search)?);
+    clock.begin(CONFIRMATION);
+    let confirmed = confirm(&runner, &mut search, found, announce)?;
+    let size_trends = trends(problem, &search, &confirmed.found)?;
+    let estimate = Estimated::new(asked, &confirmed)?;
+    clock.begin(CHECK);
+    let checked = check(&runner, &confirmed, &estimate)?;
+    clock.begin(DIAGNOSIS);
+    let at = &confirmed.found.best;
+    let spent = elsewhere + spent(&search, &confirmed, &stages[CONFIRMATION]);
+    let diagnosis = diagnosis_left(campaign, &counted, problem, settings, (at, spent))?;
+    let surfaces = all_surfaces(&confirmed, &checked.planes);
+    let row =
+        |role, runs, covariance, at: &[f64]| compare(asked, role, runs, &surfaces, covariance, at);
+    let start = problem.start();
+    let covariance = Some(&estimate.uncertainty.covariance);
+    let fit = row(Role::Fit, &confirmed.runs, None, at);
+    let checks = row(Role::Check, &checked.at_estimate, covariance, at);
+    let runs = [&before, &screened.runs, &checked.at_estimate];
+    let show = row(Role::Show, &checked.at_estimate, covariance, at);
+    let remarks = [
+        search.remarks.clone(),
+        confirmed.remarks.clone(),
+        told(&size_trends),
+        all_failures(problem, runs),
+        states(problem, &checked.at_estimate),
+        other_solutions(problem, &estimate).into_iter().collect(),
+        moved_inputs(&estimate.inputs),
+        unknown_inputs(problem, &surfaces),
+        missed_but_shown(&show),
+    ];
+    let judged = verdict(problem, &estimate, &fit, &checks, &confirmed);
+    let (with_effects, met, verdict) = judged_with(problem, &diagnosis, judged);
+    Ok(Calibration {
+        id: problem.id.clone(),
+        settings: settings.clone(),
+        before: of_all_roles(&|role| row(role, &before, None, &start)),
+        show,
+        surfaces: search.told(&confirmed.found)?,
+        boxes: search.boxes,
+        cost: clock.end(),
+        joint: checked.joint,
+        size_trends,
+        confirmations: confirmed.rounds,
+        correlation: estimate.uncertainty.correlation(problem.tuned()),
+        open_combinations: estimate
+            .uncertainty
+            .open_combinations(problem.tuned(), &confirmed.found.free),
+        test: estimate.test,
+        solutions: estimate.solutions,
+        parameters: estimate.parameters,
+        inputs: estimate.inputs,
+        fit,
+        check: checks,
+        screening: screened.told,
+        diagnosis,
+        with_effects,
+        remarks: remarks.concat(),
+        met,
+        verdict,
+    })
+}
+
+/// What the search finds; nothing is made of runs with coarse grains that tell too little of real ones.
+fn found(
+    problem: &CalibrationProblem,
+    search: &mut Search<'_>,
+    announce: &dyn Fn(&str),
+) -> Result<Found, Error> {
+    let found = search.run(announce)?;
+    trends(problem, search, &found)?;
+    Ok(found)
+}
+
+/// The measurements of all roles, one role behind the other.
+fn of_all_roles(rows: &dyn Fn(Role) -> Vec<Comparison>) -> Vec<Comparison> {
+    let roles = [Role::Fit, Role::Check, Role::Show];
+    roles.into_iter().flat_map(rows).collect()
+}
+
+/// Runs of the boxes and of the rounds of confirmation behind the first.
+fn spent(search: &Search<'_>, confirmed: &Confirmed, round: &PlannedStage) -> usize {
+    let of_boxes: usize = search.boxes.iter().map(|b| b.n_runs).sum();
+    of_boxes + (confirmed.rounds.len() - 1) * round.runs()
+}
+
+/// Inputs that have to move by more than twice their error, so that the measurements are met.
+fn moved_inputs(inputs: &[InputEstimate]) -> Vec<String> {
+    let moved = inputs.iter().filter(|input| input.moved.abs() > FAR);
+    let told = |input: &InputEstimate| {
+        format!(
+            "the measurements ask for {} = {}, {} standard deviations from the {} that was stated: measure it again",
+            input.symbol,
+            significant(input.value, 4),
+            significant(input.moved.abs(), 2),
+            significant(input.stated, 4)
+        )
+    };
+    moved.map(told).collect()
+}
+
+/// Models of which no run tells how they depend on an input.
+fn unknown_inputs(problem: &CalibrationProblem, surfaces: &SurfacesByModel) -> Vec<String> {
+    let told = surfaces.values().flat_map(|surface| {
+        let inputs = problem.inputs_of(surface.model).into_iter();
+        let unknown = inputs.filter(|j| !surface.parameters.contains(j));
+        unknown.map(|j| {
+            format!(
+                "the intervals take input {} of {} for exact, since no run with another value gave a result",
+                problem.parameters[j].symbol, problem.models[surface.model].name
+            )
+        })
+    });
+    told.collect()
+}
+
+/// The stage of the confirmation with what else it may ask for: a round may send the search on, as far as there are boxes left.
+fn with_boxes_left(stages: &[PlannedStage], search: &Search<'_>) -> Result<PlannedStage, Error> {
+    let mut stage = stages[CONFIRMATION].clone();
+    stage
+        .further
+        .extend(search.planned(&stages[SURFACES])?.further);
+    Ok(stage)
+}
+
+/// Measurements that are only shown and that the simulation misses: inputs may be wrong, or the model.
+fn missed_but_shown(show: &[Comparison]) -> Vec<String> {
+    let missed = show.iter().filter(|row| !row.holds);
+    missed
+        .map(|row| {
+            format!(
+                "{} is shown and not judged, and the simulation misses it",
+                crate::verdict::name(row)
+            )
+        })
+        .collect()
+}
+
+/// The diagnosis at a point, as far as the budget allows after so many runs: what to measure next is asked where it does.
+fn diagnosis_left(
+    campaign: &Campaign<'_>,
+    simulator: &dyn Simulator,
+    problem: &CalibrationProblem,
+    settings: &LoopSettings,
+    (at, spent): (&[f64], usize),
+) -> Result<DiagnosisStage, Error> {
+    match diagnosis_stage::within_budget(problem, settings, spent) {
+        Ok(problem) => diagnose_at(campaign, simulator, &problem, settings, at),
+        Err(reason) => Ok(DiagnosisStage::LeftOut { reason }),
+    }
+}
+
+/// What failed before, in the screening and at the estimate.
+fn all_failures(problem: &CalibrationProblem, runs: [&BTreeMap<usize, Samples>; 3]) -> Vec<String> {
+    let places = [
+        "with the parameters in use before",
+        "in the screening",
+        "at the estimate",
+    ];
+    let each = places.into_iter().zip(runs);
+    each.flat_map(|(place, runs)| failures(problem, place, runs))
+        .collect()
+}
+
+/// What failed at a point, one sentence for each model.
+fn failures(
+    problem: &CalibrationProblem,
+    place: &str,
+    runs: &BTreeMap<usize, Samples>,
+) -> Vec<String> {
+    let failed = runs.iter().filter_map(|(model, samples)| {
+        let (_, reason) = samples.failed.first()?;
+        let (n, all) = (
+            samples.failed.len(),
+            samples.failed.len() + samples.done.len(),
+        );
+        let name = &problem.models[*model].name;
+        Some(format!(
+            "{n} of {all} runs of {name} {place} failed: {reason}"
+        ))
+    });
+    failed.collect()
+}
+
+/// Models whose runs at the estimate ended up in several regimes, one sentence each: how many in which, and what each shows.
+fn states(problem: &CalibrationProblem, runs: &BTreeMap<usize, Samples>) -> Vec<String> {
+    let mut told = Vec::new();
+    for (&model, samples) in runs {
+        let mut regimes: BTreeMap<&str, Vec<&Sample>> = BTreeMap::new();
+        for sample in &samples.done {
+            regimes.entry(&sample.regime).or_default().push(sample);
+        }
+        if regimes.len() < 2 {
+            continue;
+        }
+        let shown = |group: &Vec<&Sample>| -> String {
+            let names = observables(problem, model).into_iter();
+            let each = names.map(|name| format!("{name} {}", significant(mean(group, &name), 5)));
+            each.collect::<Vec<_>>().join(", ")
+        };
+        let each: Vec<String> = regimes
+            .iter()
+            .map(|(regime, group)| format!("{} {regime} ({})", group.len(), shown(group)))
+            .collect();
+        told.push(format!(
+            "at the estimate the runs of {} end up in {} states: {}; no mean is taken over both",
+            problem.models[model].name,
+            regimes.len(),
+            each.join(", ")
+        ));
+    }
+    told
+}
+
+/// Runs that the [stages](crate::planned) beside the search and the diagnosis need; how many the search needs is known where nothing is screened.
+///
+/// # Errors
+///
+/// [`Error::Budget`] where the runs that are certain are more than the settings allow.
+pub fn within_budget(stages: &[PlannedStage], settings: &LoopSettings) -> Result<usize, Error> {
+    let runs = |i: usize| stages[i].runs();
+    let elsewhere = (0..DIAGNOSIS).filter(|i| *i != SURFACES);
+    let elsewhere: usize = elsewhere.map(runs).sum();
+    let certain = if runs(SCREENING) == 0 {
+        elsewhere + runs(SURFACES)
+    } else {
+        elsewhere
+    };
+    match settings.most_runs {
+        Some(most) if certain > most => Err(Error::Budget {
+            needed: certain,
+            most,
+        }),
+        _ => Ok(elsewhere),
+    }
+}
+
+/// The estimate with all that is said of it.
+#[derive(Debug)]
+pub(crate) struct Estimated {
+    /// Tuned parameters with intervals.
+    pub(crate) parameters: Vec<Estimate>,
+    /// Inputs.
+    pub(crate) inputs: Vec<InputEstimate>,
+    /// Covariance and what is open.
+    pub(crate) uncertainty: Uncertainty,
+    /// Test of the fit.
+    pub(crate) test: crate::FitTest,
+    /// The set of solutions.
+    pub(crate) solutions: crate::SolutionSet,
+}
+
+impl Estimated {
+    /// Of the last surfaces.
+    fn new(asked: Asked<'_>, confirmed: &Confirmed) -> Result<Self, Error> {
+        let problem = asked.problem;
+        let found = &confirmed.found;
+        let fit = found.fit(problem);
+        let best = best_of(&found.minima)?;
+        let uncertainty = Uncertainty::new(&fit, best, &found.whitening);
+        let parameters = estimates(&fit, best, &found.whitening, &uncertainty);
+        let seed = asked.settings.seed;
+        Ok(Self {
+            solutions: solution_set(&fit, &found.minima, &found.whitening, &parameters, seed)?,
+            test: test(&fit, best),
+            inputs: inputs(&fit, best, &uncertainty),
+            uncertainty,
+            parameters,
+        })
+    }
+}
+
+/// That other parameters, apart from the estimate, do nearly as well.
+fn other_solutions(problem: &CalibrationProblem, estimate: &Estimated) -> Option<String> {
+    let others = estimate.solutions.separate.get(1..)?;
+    let point = |at: &Vec<f64>| -> String {
+        let each = problem.parameters.iter().zip(at);
+        let each = each.map(|(p, x)| format!("{} = {}", p.symbol, significant(*x, 4)));
+        each.collect::<Vec<_>>().join(", ")
+    };
+    let others: Vec<String> = others.iter().map(point).collect();
+    (!others.is_empty()).then(|| {
+        format!(
+            "the fit has separate solutions, of which the estimate is the best; also {} does nearly as well: measure what \
+             tells them apart",
+            others.join("; also ")
+        )
+    })
+}
+
+/// Runs of all models with the parameters in use before; an error where none of them gives a result.
+fn before(runner: &Runner<'_>) -> Result<BTreeMap<usize, Samples>, Error> {
+    let start = runner.problem.start();
+    let n = runner.settings.before_runs;
+    let models = 0..runner.problem.models.len();
+    let list = models.flat_map(|model| {
+        let seed = first_seed(runner.settings, STAGE_BEFORE, model);
+        let coarsest = runner.problem.coarsest_of(model);
+        wanted(seed, (model, coarsest), &vec![start.clone(); n])
+    });
+    let runs = runner.run(&list.collect::<Vec<_>>())?;
+    let n_failed: usize = runs.values().map(|samples| samples.failed.len()).sum();
+    let first = runs.values().find_map(|samples| samples.failed.first());
+    match first {
+        Some((_, reason)) if runs.values().all(|samples| samples.done.is_empty()) => {
+            Err(Error::AllFailed {
+                n: n_failed,
+                reason: reason.clone(),
+            })
+        }
+        _ => Ok(runs),
+    }
+}
+
+/// What the models say that the fit did not use.
+struct Checked {
+    /// Runs of the models of role check or show at the estimate, those of the fit included that have a measurement of
+    /// such a role.
+    at_estimate: BTreeMap<usize, Samples>,
+    /// Planes of the models of the checks about the estimate.
+    planes: SurfacesByModel,
+    /// The estimate from all measurements.
+    joint: Option<JointEstimate>,
+}
+
+/// Runs the models of the checks at the estimate and about it, and those that are only shown.
+fn check(
+    runner: &Runner<'_>,
+    confirmed: &Confirmed,
+    estimate: &Estimated,
+) -> Result<Checked, Error> {
+    let (problem, settings) = (runner.problem, runner.settings);
+    let found = &confirmed.found;
+    let of_fit = problem.models_of(Role::Fit);
+    let others = |role| -> Vec<usize> {
+        let models = problem.models_of(role).into_iter();
+        models.filter(|k| !of_fit.contains(k)).collect()
+    };
+    let (checks, mut shown) = (others(Role::Check), others(Role::Show));
+    shown.retain(|k| !checks.contains(k));
+    let mut list: Vec<Wanted> = Vec::new();
+    for &model in checks.iter().chain(&shown) {
+        let mut seed = first_seed(settings, STAGE_CHECK, model);
+        let n = settings.check_runs.max(2);
+        for &factor in problem.factors_of(model) {
+            list.extend(wanted(seed, (model, factor), &vec![found.best.clone(); n]));
+            seed += n as u64;
+        }
+    }
+    let region = region_about(runner.asked, &found.best, &estimate.parameters);
+    let sloped = with_slopes(runner.asked);
+    let about = slope_runs(runner.asked, &sloped, (&found.best, &region))?;
+    let n_at = list.len();
+    list.extend(about);
+    // One list, so that no core waits; the two parts are told apart by their place.
+    let all = runner.run_parts(&list, n_at)?;
+    let [mut at_estimate, about] = all;
+    let of_planes: BTreeSet<usize> = checks.iter().chain(&sloped).copied().collect();
+    let of_planes: Vec<usize> = of_planes.into_iter().collect();
+    let planes = planes(runner.asked, &of_planes, &region, &about, &at_estimate);
+    for (model, samples) in &confirmed.runs {
+        at_estimate.insert(*model, samples.clone());
+    }
+    let joint = if settings.joint && !checks.is_empty() {
+        let mut surfaces = found.surfaces.clone();
+        surfaces.extend(planes.values().cloned());
+        Some(joint_estimate(runner.asked, &found.region, &surfaces)?)
+    } else {
+        None
+    };
+    Ok(Checked {
+        at_estimate,
+        planes,
+        joint,
+    })
+}
+
+/// Surfaces of the fit and planes of the checks by model.
+fn all_surfaces(confirmed: &Confirmed, planes: &SurfacesByModel) -> SurfacesByModel {
+    let mut all = planes.clone();
+    for surface in &confirmed.found.surfaces {
+        all.insert(surface.model, surface.clone());
+    }
+    all
+}
+
+/// Measures what each stage costs, and tells what is ahead.
+struct Clock<'a> {
+    /// Who hears of a stage.
+    announce: &'a dyn Fn(&str),
+    /// Who runs.
+    runner: &'a Runner<'a>,
+    /// Who counts the runs.
+    counted: &'a Counted<'a>,
+    /// The stages as they were planned.
+    planned: &'a [PlannedStage],
+    /// Length of the lists of each stage, at least and at most.
+    lengths: Vec<[f64; 2]>,
+    /// Begin of each stage so far: its name, the time, the runs before it.
+    stages: Vec<(String, Instant, usize)>,
+}
+
+impl<'a> Clock<'a> {
+    /// Starts without a stage.
+    fn new(
+        announce: &'a dyn Fn(&str),
+        (runner, counted): (&'a Runner<'a>, &'a Counted<'a>),
+        planned: &'a [PlannedStage],
+    ) -> Self {
+        let mut clock = Self {
+            announce,
+            runner,
+            counted,
+            planned,
+            lengths: vec![[0.0; 2]; planned.len()],
+            stages: Vec::new(),
+        };
+        for (i, stage) in planned.iter().enumerate() {
+            clock.expect(i, stage);
+        }
+        clock
+    }
+
+    /// What is expected of a stage.
+    fn expect(&mut self, place: usize, stage: &PlannedStage) {
+        let length =
+            |lists: &[RunList]| length_of(&self.runner.campaign, self.runner.simulator, lists);
+        let least = length(&stage.certain);
+        self.lengths[place] = [least, least + length(&stage.further)];
+    }
+
+    /// Begins a stage; the one before is over.
+    fn begin(&mut self, place: usize) {
+        let name = &self.planned[place].stage;
+        (self.announce)(name);
+        let later = self.lengths[place + 1..].iter();
+        let later = later.fold([0.0; 2], |sum, length| {
+            [0, 1].map(|end| sum[end] + length[end])
+        });
+        self.runner.campaign.expect(self.lengths[place], later);
+        let begin = (name.clone(), Instant::now(), self.counted.runs());
+        self.stages.push(begin);
+    }
+
+    /// Ends the last stage and gives the cost of each.
+    fn end(mut self) -> Vec<StageCost> {
+        let end = (String::new(), Instant::now(), self.counted.runs());
+        self.stages.push(end);
+        let pairs = self.stages.windows(2);
+        pairs
+            .map(|pair| StageCost {
+                stage: pair[0].0.clone(),
+                runs: pair[1].2 - pair[0].2,
+                wall_s: (pair[1].1 - pair[0].1).as_secs_f64(),
+            })
+            .collect()
+    }
+}
+
+/// A simulator that counts its runs.
+struct Counted<'a> {
+    /// Who runs.
+    simulator: &'a dyn Simulator,
+    /// Runs so far.
+    count: AtomicUsize,
+}
+
+impl<'a> Counted<'a> {
+    /// Counts from 0.
+    fn new(simulator: &'a dyn Simulator) -> Self {
+        Self {
+            simulator,
+            count: AtomicUsize::new(0),
+        }
+    }
+
+    /// Runs so far.
+    fn runs(&self) -> usize {
+        self.count.load(Ordering::Relaxed)
+    }
+}
+
+impl Simulator for Counted<'_> {
+    fn version(&self) -> String {
+        self.simulator.version()
+    }
+
+    fn inputs(&self, request: &RunRequest) -> Result<serde_json::Value, SimulatorError> {
+        self.simulator.inputs(request)
+    }
+
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        self.count.fetch_add(1, Ordering::Relaxed);
+        self.simulator.run(request)
+    }
+
+    fn expected_cost(&self, request: &RunRequest) -> f64 {
+        self.simulator.expected_cost(request)
+    }
+}

@@ -1,0 +1,130 @@
+//! Screening, response surface, solutions, validation and residual study over any simulator.
+//!
+//! Nothing here knows what is simulated: a stage makes a list of [`campaign::RunRequest`]s, has
+//! them done by a [`campaign::Campaign`], and analyses what comes back. A toy simulator tests
+//! the whole loop in milliseconds:
+//!
+//! ```
+//! use inference::{
+//!     CalibrationProblem, LoopSettings, Measurement, Model, Parameter, Role, calibrate,
+//! };
+//! use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
+//! use probability::random_stream::Stream;
+//! use campaign::run_store::{Observation, Store};
+//!
+//! /// A bed whose angle is 20 deg + 40 deg times its friction; runs scatter by 0.2 deg.
+//! struct Bed;
+//!
+//! impl Simulator for Bed {
+//!     fn version(&self) -> String {
+//!         "1".into()
+//!     }
+//!
+//!     fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+//!         let noise = Stream::new(request.seed, &request.to_string()).normal();
+//!         let friction = request.parameters.get("F").unwrap_or(&0.5);
+//!         let mean = 20.0 + 40.0 * friction + 0.2 * noise;
+//!         let angle = Observation { mean, sd: None, n: 1, unit: "deg".into() };
+//!         Ok(RunOutcome::default().with_observable("angle_deg", angle))
+//!     }
+//! }
+//!
+//! let friction = Parameter {
+//!     symbol: "F".into(),
+//!     name: "friction".into(),
+//!     unit: "1".into(),
+//!     sets: vec!["friction of the beads".into()],
+//!     range: [0.1, 0.9],
+//!     limits: [0.0, 1.0],
+//!     start: 0.5,
+//!     prior: None,
+//!     is_input: false,
+//! };
+//! let drum = Model {
+//!     name: "drum".into(),
+//!     scene: "drum".into(),
+//!     condition: Default::default(),
+//!     parameters: vec![0],
+//! };
+//! let measured = Measurement {
+//!     model: 0,
+//!     observable: "angle_deg".into(),
+//!     role: Role::Fit,
+//!     mean: 36.0,
+//!     sd: 0.5,
+//!     n: 10.0,
+//! };
+//! let problem = CalibrationProblem {
+//!     id: "bed".into(),
+//!     parameters: vec![friction],
+//!     models: vec![drum],
+//!     measurements: vec![measured],
+//!     correlations: vec![],
+//!     effects: vec![],
+//!     candidates: vec![],
+//!     coarse_graining: None,
+//! };
+//! let store = Store::in_memory();
+//! let campaign = Campaign::new(&store, 1, &Silent);
+//! let found = calibrate(&campaign, &Bed, &problem, &LoopSettings::default(), &|_| {})?;
+//! // 36 deg are a friction of 0.4; the scatter of a single run is 0.2 deg, 0.005 of it.
+//! let value = found.parameters[0].value;
+//! assert!((value - 0.4).abs() < 0.005, "{value}");
+//! # Ok::<(), inference::Error>(())
+//! ```
+
+mod before_any_run;
+mod budget;
+mod calibrate;
+mod coarse_graining;
+mod comparison;
+mod confirmation;
+mod correlated;
+mod designs;
+pub mod diagnosis;
+mod diagnosis_stage;
+mod error;
+mod information;
+mod intervals;
+mod joint;
+mod joint_fit;
+mod laboratory;
+mod lack_of_fit;
+mod noisy_slopes;
+mod planned;
+mod power;
+mod problem;
+mod region;
+mod residual_study;
+mod result;
+mod samples;
+mod screening;
+mod search;
+mod settings;
+mod solution_set;
+mod surface;
+mod verdict;
+mod with_effects;
+
+pub use budget::runs_needed;
+pub use calibrate::{calibrate, within_budget};
+pub use diagnosis_stage::{diagnose_at, most_runs_of_candidates, most_runs_of_diagnosis};
+pub use error::Error;
+pub use laboratory::Laboratory;
+pub use planned::{PlannedStage, RunList, planned, planned_diagnosis};
+pub use power::{PowerTable, power_of_design};
+pub use problem::{
+    CalibrationProblem, Candidate, CoarseGraining, Correlation, MOST_PARAMETERS, Measurement,
+    Model, Parameter, Prior, Role,
+};
+pub use residual_study::{
+    AddedEffect, CandidateMeasurement, DeclaredParameter, EffectProbe, ErrorPair, Observed,
+    OfferedMeasurement, RealErrors, ResidualPlan, ResidualStudy, StudyCondition, study_residual,
+};
+pub use result::{
+    Calibration, Comparison, ConfirmationRound, ConfirmationRow, DiagnosisStage, Estimate, FitTest,
+    InputEstimate, JointEstimate, JointPrediction, LeftOut, MeasuredMean, ModelScreening,
+    ModelSurfaces, OpenCombination, SearchBox, SimulatedMean, SizeTrend, SolutionSet, StageCost,
+    WithEffects,
+};
+pub use settings::{LoopSettings, ScreeningChoice, SurfaceDesign};

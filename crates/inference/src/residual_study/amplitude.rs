@@ -1,0 +1,476 @@
+//! The amplitude of an effect by runs at several amplitudes: its estimate and its interval.
+
+use super::fits::{Fits, Refitted, Visited};
+use super::linearisation::Linearisation;
+use super::runs::{self, Means, Setting};
+use super::{EffectProbe, assemble, refit};
+use crate::Error;
+use crate::diagnosis::{Amplitude, least_squares_step};
+use nalgebra::{DMatrix, DVector};
+use probability::t_two_sided_quantile;
+use std::collections::BTreeMap;
+
+/// Most amplitudes that are run for the intervals of one model, beyond those of its fit.
+pub(crate) const MOST_AMPLITUDES: usize = 3;
+/// Distance to a run, over that to the estimate, from which on an end of the interval is run itself.
+const NEAR: f64 = 0.25;
+/// Difference of two amplitudes over the larger from which on their slope is used beyond them.
+const APART: f64 = 0.2;
+/// Steps of the range in which ends of the interval are looked for.
+const STEPS: usize = 200;
+/// Bends that are tried on each side, times the largest amplitude: a response that saturates in a twentieth of it needs the last.
+const BENDS: [f64; 10] = [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 9.0, 13.0, 20.0];
+/// Halvings of a step to the end of the interval in it.
+const HALVINGS: usize = 30;
+
+/// A response to an amplitude that is straight at a bend of 0, saturates at a positive one, and bends upwards at a negative one:
+/// `(1 - exp(-b a)) / b`. The length over which it saturates is 1 / b.
+fn response(bend: f64, a: f64) -> f64 {
+    if bend == 0.0 {
+        a
+    } else {
+        -(-bend * a).exp_m1() / bend
+    }
+}
+
+/// Runs at one amplitude.
+#[derive(Debug, Clone)]
+struct Node {
+    /// The amplitude.
+    amplitude: f64,
+    /// Whitened residual of these runs, less what the parameters do on the way to the end of the fit.
+    residual: DVector<f64>,
+    /// Block of seeds.
+    block: u64,
+}
+
+/// What runs say of an effect along its amplitude, the parameters re-tuned at each.
+///
+/// # Formula
+///
+/// With the whitened residuals `r_i` of the runs at the amplitudes `a_i`, the residual at an amplitude a is
+/// `r(a) = sum_i w_i(a) r_i`, the w of the line between its two neighbours, beyond the last of that through the last two: a straight
+/// line over the [`response`] that fits all amplitudes best. M takes off what parameters inside their bounds do, and `p = M sum_i v_i r_i` is what the effect does between two of the
+/// amplitudes. The runs of each mean have the covariance Q. At the true amplitude
+///
+/// `z(a) = (p' M r(a) - k tr(M Q)) / sqrt(p'p + (s - 1) p' Q p + k^2 tr(M Q M Q))`, `k = v' C w`, `s = w' C w`
+///
+/// is standard normal in the limit of many values, t on the degrees of freedom of the covariance, C the correlation of the noise of
+/// the runs at different amplitudes: the noise of p is in r(a) too, which moves the mean of the product. The interval reaches from
+/// the least to the greatest amplitude at which |z| is below its quantile, as that of a ratio `[Fieller1954]`. [own]
+struct Curve {
+    /// By amplitude.
+    nodes: Vec<Node>,
+    /// Whitened slopes of the parameters and of the other effects.
+    slopes: DMatrix<f64>,
+    /// How far these may go from the end of the fit.
+    ways: [Vec<f64>; 2],
+    /// Covariance of a mean of runs, whitened.
+    of_runs: DMatrix<f64>,
+    /// Weight of each node in the direction.
+    direction: Vec<f64>,
+    /// How the response bends, see [`response`].
+    bend: f64,
+    /// Share of the noise that runs of one block do not share.
+    own_noise: f64,
+    /// Quantile of the test.
+    quantile: f64,
+}
+
+/// A test at one amplitude and another, as long as the same parameters are held at their bounds.
+struct Projected {
+    /// Which parameters are free.
+    free: Vec<bool>,
+    /// What the effect does beside them.
+    along: DVector<f64>,
+    /// `p' Q p`, `tr(M Q)` and `tr(M Q M Q)`.
+    of_runs: [f64; 3],
+}
+
+impl Curve {
+    /// Weights of the nodes at an amplitude.
+    fn weights(&self, a: f64) -> Vec<f64> {
+        let at = |i: usize| self.nodes[i].amplitude;
+        let last = self.nodes.len() - 1;
+        let apart =
+            |i: usize, j: usize| (at(i) - at(j)).abs() >= APART * at(i).abs().max(at(j).abs());
+        let (i, j) = if a <= at(0) {
+            (0, (1..=last).find(|&j| apart(0, j)).unwrap_or(last))
+        } else if a >= at(last) {
+            (last, (0..last).rev().find(|&j| apart(last, j)).unwrap_or(0))
+        } else {
+            let j = (1..=last).find(|&j| a <= at(j)).unwrap_or(last);
+            (j - 1, j)
+        };
+        let along = |a: f64| response(self.bend, a);
+        let share = (along(a) - along(at(i))) / (along(at(j)) - along(at(i)));
+        let mut weights = vec![0.0; self.nodes.len()];
+        weights[i] = 1.0 - share;
+        weights[j] = share;
+        weights
+    }
+
+    /// Residual of so much of each node.
+    fn mixed(&self, weights: &[f64]) -> DVector<f64> {
+        let parts = self.nodes.iter().zip(weights);
+        let zero = DVector::zeros(self.slopes.nrows());
+        parts.fold(zero, |sum, (node, weight)| sum + &node.residual * *weight)
+    }
+
+    /// Covariance of the noise of the runs in two mixtures of nodes, over that of one.
+    fn shared(&self, one: &[f64], other: &[f64]) -> f64 {
+        let correlation =
+            |i: usize, j: usize| match (i == j, self.nodes[i].block == self.nodes[j].block) {
+                (true, _) => 1.0,
+                (false, true) => 1.0 - self.own_noise,
+                (false, false) => 0.0,
+            };
+        let pairs = (0..one.len()).flat_map(|i| (0..other.len()).map(move |j| (i, j)));
+        pairs
+            .map(|(i, j)| one[i] * other[j] * correlation(i, j))
+            .sum()
+    }
+
+    /// The step of the parameters and the other effects that fits best at an amplitude.
+    fn retuned(&self, residual: &DVector<f64>) -> DVector<f64> {
+        least_squares_step(&self.slopes, residual, &self.ways[0], &self.ways[1])
+    }
+
+    /// The test with these parameters free.
+    fn projected(&self, free: Vec<bool>) -> Projected {
+        let columns: Vec<_> = (0..free.len()).filter(|&j| free[j]).collect();
+        let slopes = self.slopes.select_columns(&columns);
+        let space = if columns.is_empty() {
+            slopes
+        } else {
+            let svd = slopes.svd(true, false);
+            let largest = svd.singular_values.max();
+            let spans = |&j: &usize| svd.singular_values[j] > 1e-9 * largest;
+            let kept: Vec<usize> = (0..svd.singular_values.len()).filter(spans).collect();
+            svd.u.map(|u| u.select_columns(&kept)).unwrap_or_default()
+        };
+        let taken_off = |matrix: DMatrix<f64>| &matrix - &space * (space.transpose() * &matrix);
+        let whole = self.mixed(&self.direction);
+        let along = &whole - &space * (space.transpose() * &whole);
+        let beside = taken_off(self.of_runs.clone());
+        let product = (along.transpose() * &self.of_runs * &along)[(0, 0)];
+        let twice = (&beside * &beside).trace();
+        Projected {
+            of_runs: [product, beside.trace(), twice],
+            free,
+            along,
+        }
+    }
+
+    /// The statistic at an amplitude.
+    fn statistic(&self, a: f64, known: &mut Option<Projected>) -> f64 {
+        let weights = self.weights(a);
+        let residual = self.mixed(&weights);
+        let step = self.retuned(&residual);
+        let free = |j: usize| self.ways[0][j] < step[j] && step[j] < self.ways[1][j];
+        let free: Vec<bool> = (0..step.len()).map(free).collect();
+        let projected = match known.take() {
+            Some(projected) if projected.free == free => projected,
+            _ => self.projected(free),
+        };
+        let Projected {
+            along,
+            of_runs: [product, trace, twice],
+            ..
+        } = &projected;
+        let (k, s) = (
+            self.shared(&self.direction, &weights),
+            self.shared(&weights, &weights),
+        );
+        let left = residual - &self.slopes * step;
+        let variance = along.norm_squared() + (s - 1.0) * product + k * k * twice;
+        let z = (along.dot(&left) - k * trace) / variance.sqrt();
+        *known = Some(projected);
+        z
+    }
+
+    /// The amplitude nearest to the end of the fit at which the statistic is 0, or where it is least, and the interval inside a
+    /// range.
+    fn amplitude(&self, end: f64, range: [f64; 2]) -> Amplitude {
+        let known = &mut None;
+        let step = (range[1] - range[0]) / STEPS as f64;
+        let mut at: Vec<f64> = (0..=STEPS).map(|i| range[0] + step * i as f64).collect();
+        at[STEPS] = range[1];
+        at.extend(
+            self.nodes
+                .iter()
+                .map(|n| n.amplitude)
+                .filter(|a| range[0] < *a && *a < range[1]),
+        );
+        at.sort_by(f64::total_cmp);
+        let z: Vec<f64> = at.iter().map(|a| self.statistic(*a, known)).collect();
+        let crossing = |i: usize| {
+            (z[i] * z[i + 1] <= 0.0 && z[i] != z[i + 1])
+                .then(|| at[i] + (at[i + 1] - at[i]) * z[i] / (z[i] - z[i + 1]))
+        };
+        let crossings = (0..at.len() - 1).filter_map(crossing);
+        let nearest = crossings.min_by(|a, b| (a - end).abs().total_cmp(&(b - end).abs()));
+        let least = (0..at.len()).min_by(|&i, &j| z[i].abs().total_cmp(&z[j].abs()));
+        let value = nearest.or(least.map(|i| at[i])).unwrap_or(end);
+        let accepted = |i: &usize| z[*i].abs() <= self.quantile;
+        let mut interval95 = [value, value];
+        let mut edge = |inside: f64, outside: Option<&f64>| {
+            let Some(&outside) = outside else {
+                return inside;
+            };
+            let (mut inside, mut outside) = (inside, outside);
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (inside + outside);
+                if self.statistic(middle, known).abs() <= self.quantile {
+                    inside = middle;
+                } else {
+                    outside = middle;
+                }
+            }
+            inside
+        };
+        if let Some(first) = (0..at.len()).find(accepted) {
+            let before = first.checked_sub(1).map(|i| &at[i]);
+            interval95[0] = edge(at[first], before).min(value);
+        }
+        if let Some(last) = (0..at.len()).rev().find(accepted) {
+            interval95[1] = edge(at[last], at.get(last + 1)).max(value);
+        }
+        Amplitude { value, interval95 }
+    }
+}
+
+impl Fits<'_> {
+    /// The amplitudes of a model with their intervals, by further runs at the ends of these; without those of which runs at one
+    /// amplitude alone are known.
+    pub(super) fn amplitudes(
+        &self,
+        linear: &Linearisation,
+        fit: &Visited,
+        model: &Refitted,
+    ) -> Result<BTreeMap<String, Amplitude>, Error> {
+        let mut found = BTreeMap::new();
+        let mut points = vec![model.end.clone()];
+        if let [name] = &model.effects[..] {
+            let mut off = fit.clone();
+            off.setting.effects.insert(name.clone(), 0.0);
+            points.push(off);
+        }
+        points.extend(model.points.iter().cloned());
+        let numbers = model.effects.iter();
+        let numbers =
+            numbers.filter_map(|name| self.plan.effects.iter().position(|e| e.name == *name));
+        for effect in numbers {
+            let most = (MOST_AMPLITUDES / model.effects.len()).max(1);
+            let amplitude = self.amplitude(linear, model, effect, (&mut points, most))?;
+            let name = &self.plan.effects[effect].name;
+            found.extend(amplitude.map(|amplitude| (name.clone(), amplitude)));
+        }
+        Ok(found)
+    }
+
+    /// The amplitude of one effect of a model, by points and so many further runs.
+    fn amplitude(
+        &self,
+        linear: &Linearisation,
+        model: &Refitted,
+        effect: usize,
+        (points, most): (&mut Vec<Visited>, usize),
+    ) -> Result<Option<Amplitude>, Error> {
+        let probe = &self.plan.effects[effect];
+        let end = model.end.setting.amplitude(&probe.name);
+        let mut left = most;
+        loop {
+            let Some(curve) = self.curve(linear, model, effect, points)? else {
+                return Ok(None);
+            };
+            let amplitude = curve.amplitude(end, probe.range);
+            let [low, high] = amplitude.interval95;
+            let is_far = |x: &f64| {
+                let near = NEAR * (amplitude.value - x).abs();
+                let mut nodes = curve.nodes.iter();
+                nodes.all(|node| (node.amplitude - x).abs() > near)
+            };
+            let far = [high, low].into_iter().filter(is_far).take(left);
+            let settings: Vec<(Setting, u64)> = far
+                .map(|x| (self.at_amplitude(model, effect, &curve, x), model.end.block))
+                .collect();
+            if settings.is_empty() {
+                return Ok(Some(amplitude));
+            }
+            left -= settings.len();
+            let means = runs::means_of_each(self.worker, self.plan, &settings)?;
+            let visited =
+                settings
+                    .into_iter()
+                    .zip(means)
+                    .filter_map(|((setting, block), means)| {
+                        let means = means.ok()?;
+                        Some(Visited {
+                            setting,
+                            means,
+                            block,
+                        })
+                    });
+            let before = points.len();
+            points.extend(visited);
+            if points.len() == before {
+                return Ok(Some(amplitude));
+            }
+        }
+    }
+
+    /// The setting of a model at another amplitude of an effect, the rest re-tuned as the runs along it promise.
+    fn at_amplitude(&self, model: &Refitted, effect: usize, curve: &Curve, x: f64) -> Setting {
+        let step = curve.retuned(&curve.mixed(&curve.weights(x)));
+        let mut setting = model.end.setting.clone();
+        let declared = self.plan.declared.iter().map(|d| (&d.name, d.bounds));
+        let others = self
+            .others(model, effect)
+            .into_iter()
+            .map(|j| &self.plan.effects[j]);
+        let others = others.map(|e| (&e.name, e.range));
+        for (i, (name, bounds)) in declared.chain(others).enumerate() {
+            let values = if i < self.plan.declared.len() {
+                &mut setting.parameters
+            } else {
+                &mut setting.effects
+            };
+            if let Some(value) = values.get_mut(name) {
+                *value = (*value + step[i]).clamp(bounds[0], bounds[1]);
+            }
+        }
+        setting
+            .effects
+            .insert(self.plan.effects[effect].name.clone(), x);
+        setting
+    }
+
+    /// Numbers of the other effects of a model.
+    fn others(&self, model: &Refitted, effect: usize) -> Vec<usize> {
+        let effects = self.plan.effects.iter().enumerate();
+        let others = effects.filter(|(j, e)| *j != effect && model.effects.contains(&e.name));
+        others.map(|(j, _)| j).collect()
+    }
+
+    /// The curve of an effect through points; none where they are all at one amplitude.
+    fn curve(
+        &self,
+        linear: &Linearisation,
+        model: &Refitted,
+        effect: usize,
+        points: &[Visited],
+    ) -> Result<Option<Curve>, Error> {
+        let (plan, observed) = (self.plan, self.observed);
+        let others = self.others(model, effect);
+        let end = refit::values_at(plan, &others, &model.end.setting);
+        let bounds = |e: usize| {
+            let declared = plan.declared.iter().map(move |d| d.bounds[e]);
+            declared.chain(others.iter().map(move |&j| plan.effects[j].range[e]))
+        };
+        let ways = [0, 1].map(|e| {
+            bounds(e)
+                .zip(&end)
+                .map(|(b, at)| b - at)
+                .collect::<Vec<f64>>()
+        });
+        // A point that rounding put outside begins on its bound.
+        let ways = [
+            ways[0].iter().map(|x| x.min(0.0)).collect(),
+            ways[1].iter().map(|x| x.max(0.0)).collect(),
+        ];
+        let mut slopes = DMatrix::zeros(0, end.len());
+        let mut nodes: Vec<Node> = Vec::new();
+        for point in points {
+            // All are whitened alike.
+            let means = Means {
+                n: model.end.means.n.clone(),
+                ..point.means.clone()
+            };
+            let at = refit::values_at(plan, &others, &point.setting);
+            let (matrix, target) =
+                refit::linear_problem(plan, observed, &model.slopes, &others, (&at, &means))?;
+            let moved =
+                DVector::from_iterator(end.len(), end.iter().zip(&at).map(|(to, from)| to - from));
+            nodes.push(Node {
+                amplitude: point.setting.amplitude(&plan.effects[effect].name),
+                residual: target - &matrix * moved,
+                block: point.block,
+            });
+            slopes = matrix;
+        }
+        // Of several points at one amplitude the first counts: that is the end of the fit.
+        nodes.sort_by(|a, b| a.amplitude.total_cmp(&b.amplitude));
+        nodes.dedup_by(|later, first| later.amplitude == first.amplitude);
+        if nodes.len() < 2 {
+            return Ok(None);
+        }
+        let dof = assemble::covariance_dof(plan, observed, linear, &model.end.means);
+        let mut curve = Curve {
+            direction: vec![0.0; nodes.len()],
+            bend: 0.0,
+            own_noise: linear.own_noise(effect),
+            of_runs: assemble::whitened_runs(
+                plan,
+                observed,
+                linear,
+                &model.end.means,
+                slopes.nrows(),
+            )?,
+            quantile: t_two_sided_quantile(0.05, dof).unwrap_or(f64::INFINITY),
+            nodes,
+            slopes,
+            ways,
+        };
+        let EffectProbe { name, range, .. } = &plan.effects[effect];
+        curve.direct(model.end.setting.amplitude(name));
+        curve.bend(range[0].abs().max(range[1].abs()));
+        Ok(Some(curve))
+    }
+}
+
+impl Curve {
+    /// Takes what the effect does between no amplitude, or the least that was run, and the end of the fit, or the greatest where
+    /// that is the same.
+    fn direct(&mut self, end: f64) {
+        let by_size = |i: &usize, j: &usize| {
+            let size = |i: usize| self.nodes[i].amplitude.abs();
+            size(*i).total_cmp(&size(*j))
+        };
+        let least = (0..self.nodes.len()).min_by(by_size).unwrap_or(0);
+        let greatest = (0..self.nodes.len()).max_by(by_size).unwrap_or(0);
+        let end = self
+            .nodes
+            .iter()
+            .position(|n| n.amplitude == end)
+            .unwrap_or(greatest);
+        let to = if end == least { greatest } else { end };
+        self.direction[least] = 1.0;
+        self.direction[to] = -1.0;
+    }
+
+    /// Takes the bend by which the amplitudes that were run tell best how much of the direction they show: none where these are
+    /// fewer than three.
+    fn bend(&mut self, largest: f64) {
+        if self.nodes.len() < 3 {
+            return;
+        }
+        let free = vec![true; self.slopes.ncols()];
+        let along = self.projected(free).along;
+        let shown: Vec<f64> = self.nodes.iter().map(|n| -along.dot(&n.residual)).collect();
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let missed = |bend: f64| {
+            let at = self.nodes.iter().map(|n| response(bend, n.amplitude));
+            let at: Vec<f64> = at.collect();
+            let (x, y) = (mean(&at), mean(&shown));
+            let pairs = || at.iter().zip(&shown).map(|(a, s)| (a - x, s - y));
+            let size = |f: &dyn Fn((f64, f64)) -> f64| pairs().map(f).sum::<f64>();
+            let product = size(&|(a, s)| a * s);
+            size(&|(_, s)| s * s) - product * product / size(&|(a, _)| a * a)
+        };
+        let bends = BENDS.iter().flat_map(|b| [b / largest, -b / largest]);
+        let all = std::iter::once(0.0).chain(bends);
+        let best = all.min_by(|a, b| missed(*a).total_cmp(&missed(*b)));
+        self.bend = best.unwrap_or(0.0);
+    }
+}

@@ -1,0 +1,217 @@
+//! What a residual study is asked: conditions, parameters, effects, and what was measured.
+
+use super::candidates::CandidateMeasurement;
+use crate::Error;
+use crate::diagnosis::{CovarianceMatrix, Largest, Sign};
+use campaign::RunRequest;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A condition of the measurements.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StudyCondition {
+    /// Name of the model that stands for this condition, coordinates and all; that of [`ResidualPlan::base`] under the
+    /// coordinates below where absent.
+    pub model: Option<String>,
+    /// Coordinates, as in [`RunRequest::condition`].
+    pub condition: BTreeMap<String, f64>,
+    /// What is read of its runs: pairs of a name in [`ResidualPlan::observables`] and the name that the run gives it;
+    /// all of them under their own names where absent.
+    pub observables: Option<BTreeMap<String, String>>,
+    /// Declared parameters on which its runs depend, by name; all where absent. A run is not told of others: an input of one scene is
+    /// none of another.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parameters: Option<BTreeSet<String>>,
+    /// Whether the fit may use it; otherwise it is kept for the check.
+    pub used: bool,
+}
+
+impl StudyCondition {
+    /// What the runs give under the name of an observable of the plan; none where it is not read here.
+    pub fn name_of<'a>(&'a self, observable: &'a str) -> Option<&'a str> {
+        match &self.observables {
+            None => Some(observable),
+            Some(names) => names.get(observable).map(String::as_str),
+        }
+    }
+
+    /// Whether its runs depend on a declared parameter.
+    pub(super) fn depends_on(&self, parameter: &str) -> bool {
+        let own = self.parameters.as_ref();
+        own.is_none_or(|own| own.contains(parameter))
+    }
+
+    /// Its name: that of its model, or of the model of a plan with the coordinates.
+    pub(super) fn name(&self, of_plan: &str) -> String {
+        let coordinates = self.condition.iter();
+        self.model.clone().unwrap_or_else(|| {
+            coordinates.fold(of_plan.to_owned(), |text, (name, x)| {
+                format!("{text} {name}={x}")
+            })
+        })
+    }
+}
+
+/// A declared parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DeclaredParameter {
+    /// Name in [`RunRequest::parameters`].
+    pub name: String,
+    /// Value at which the simulator is linearised.
+    pub start: f64,
+    /// Step of the finite difference.
+    pub step: f64,
+    /// Lower and upper bound.
+    pub bounds: [f64; 2],
+    /// Mean and standard error of a bench measurement; none where it is free.
+    pub prior: Option<[f64; 2]>,
+}
+
+/// An effect of the library.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EffectProbe {
+    /// Name in [`RunRequest::effects`].
+    pub name: String,
+    /// Amplitude at which its sensitivity is measured.
+    pub probe: f64,
+    /// Least and largest amplitude that is physically possible.
+    pub range: [f64; 2],
+    /// Models that cannot carry it, by name, with the reason: it changes nothing there.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub absent: BTreeMap<String, String>,
+}
+
+impl EffectProbe {
+    /// Whether it can change anything at a condition.
+    pub(crate) fn acts_on(&self, condition: &StudyCondition) -> bool {
+        let model = condition.model.as_ref();
+        model.is_none_or(|name| !self.absent.contains_key(name))
+    }
+
+    /// How far its amplitude can go.
+    pub fn largest(&self) -> Largest {
+        let [low, high] = self.range;
+        if self.sign() == Sign::Any && low != -high {
+            Largest::Ends(self.range)
+        } else {
+            Largest::Size(high.max(-low))
+        }
+    }
+
+    /// Signs that its amplitude can have.
+    pub fn sign(&self) -> Sign {
+        match self.range {
+            [low, high] if low < 0.0 && high > 0.0 => Sign::Any,
+            [low, _] if low < 0.0 => Sign::Negative,
+            _ => Sign::Positive,
+        }
+    }
+}
+
+/// What was measured.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Observed {
+    /// Values, (conditions, observables); none where an observable was not measured.
+    pub values: Vec<Vec<Option<f64>>>,
+    /// Covariance of the values of each condition, (conditions, observables, observables); rows
+    /// and columns of what was not measured are not read.
+    pub covariance: Vec<CovarianceMatrix>,
+}
+
+impl Observed {
+    /// Numbers of the observables that were measured at a condition.
+    pub fn measured(&self, condition: usize) -> Vec<usize> {
+        let values = self.values[condition].iter().enumerate();
+        values.filter_map(|(k, y)| y.map(|_| k)).collect()
+    }
+
+    /// Standard error of a value, in its unit.
+    pub fn standard_error(&self, condition: usize, observable: usize) -> f64 {
+        self.covariance[condition][observable][observable].sqrt()
+    }
+}
+
+/// Everything that a residual study needs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ResidualPlan {
+    /// Name.
+    pub id: String,
+    /// The run with everything that does not vary; its seed is the first of the study.
+    pub base: RunRequest,
+    /// Conditions, used and kept ones.
+    pub conditions: Vec<StudyCondition>,
+    /// Names of the observables.
+    pub observables: Vec<String>,
+    /// Declared parameters.
+    pub declared: Vec<DeclaredParameter>,
+    /// Library.
+    pub effects: Vec<EffectProbe>,
+    /// Runs for each nominal mean: 2 or more, they give the noise of the simulator.
+    pub replicates: usize,
+    /// Seed of the simulated distributions of the diagnosis.
+    pub seed: u64,
+    /// What could be measured next.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub candidates: Vec<CandidateMeasurement>,
+}
+
+impl ResidualPlan {
+    /// Number of conditions that the fit uses, or that are kept for the check.
+    pub fn count(&self, used: bool) -> usize {
+        self.conditions.iter().filter(|c| c.used == used).count()
+    }
+}
+
+/// Refuses numbers that do not fit together.
+pub(super) fn check(plan: &ResidualPlan, observed: &Observed) -> Result<(), Error> {
+    let count = |what, got: usize, fits: bool, expected| {
+        if fits {
+            Ok(())
+        } else {
+            Err(Error::Count {
+                what,
+                got,
+                expected,
+            })
+        }
+    };
+    let n = plan.observables.len();
+    count("observables", n, n > 0, "at least one")?;
+    count(
+        "replicates",
+        plan.replicates,
+        plan.replicates >= 2,
+        "two or more",
+    )?;
+    let rows = observed.values.len();
+    count(
+        "observed conditions",
+        rows,
+        rows == plan.conditions.len(),
+        "one for each condition",
+    )?;
+    for row in &observed.values {
+        count(
+            "observed values",
+            row.len(),
+            row.len() == n,
+            "one for each observable",
+        )?;
+    }
+    count(
+        "covariances",
+        observed.covariance.len(),
+        observed.covariance.len() == rows,
+        "one for each condition",
+    )?;
+    for block in &observed.covariance {
+        let square = block.len() == n && block.iter().all(|row| row.len() == n);
+        count(
+            "rows of a covariance",
+            block.len(),
+            square,
+            "one for each observable",
+        )?;
+    }
+    Ok(())
+}

@@ -1,0 +1,177 @@
+//! Fits of parameters and amplitudes by the linear model, inside their bounds.
+
+use super::linearisation::Linearisation;
+use super::runs::{Means, Setting};
+use super::{Observed, ResidualPlan, assemble};
+use crate::Error;
+use crate::diagnosis::least_squares_step;
+use nalgebra::{Cholesky, DMatrix, DVector, Matrix, RowDVector};
+
+/// Fits parameters and the amplitudes of some effects together to the used conditions and the priors, about the means
+/// of runs at a point.
+pub(super) fn with_effects(
+    plan: &ResidualPlan,
+    observed: &Observed,
+    linear: &Linearisation,
+    effects: &[String],
+    (point, means): (&Setting, &Means),
+) -> Result<Setting, Error> {
+    let (taken, at) = unknowns(plan, effects, point);
+    let (matrix, target) = linear_problem(plan, observed, linear, &taken, (&at, means))?;
+    let amplitudes = |end: usize| taken.iter().map(move |&j| plan.effects[j].range[end]);
+    let bounds = |end: usize| plan.declared.iter().map(move |d| d.bounds[end]);
+    let bounds = [0, 1].map(|end| bounds(end).chain(amplitudes(end)).collect::<Vec<f64>>());
+    // A point that rounding put outside begins on its bound.
+    let at: Vec<f64> = (0..at.len())
+        .map(|j| at[j].clamp(bounds[0][j], bounds[1][j]))
+        .collect();
+    let ways = [0, 1].map(|end: usize| {
+        let ways = bounds[end].iter().zip(&at);
+        ways.map(|(bound, at)| bound - at).collect::<Vec<f64>>()
+    });
+    let step = least_squares_step(&matrix, &target, &ways[0], &ways[1]);
+    let solution: Vec<f64> = (0..at.len())
+        .map(|j| (at[j] + step[j]).clamp(bounds[0][j], bounds[1][j]))
+        .collect();
+    let (parameters, amplitudes) = solution.split_at(plan.declared.len());
+    let mut setting = Setting::declared(plan, parameters);
+    for (&j, amplitude) in taken.iter().zip(amplitudes) {
+        setting
+            .effects
+            .insert(plan.effects[j].name.clone(), *amplitude);
+    }
+    Ok(setting)
+}
+
+/// Standard errors of the parameters, fitted together with the amplitudes of some effects by the slopes at a point; none where these do not tell them.
+///
+/// # Formula
+///
+/// The roots of the diagonal of `M^-1 A' A M^-1` with `M = A' A - s N`: A are the whitened slopes with the rows of the priors,
+/// and N is what their noise adds to `A' A` on average. By `A' A` alone a slope that is half noise would seem to tell twice of
+/// what it tells `[Fuller1987, section 2.2]`. The s is 1, or less where M would not be positive definite: the least
+/// eigenvalue of `A' A` over N, less one part in the number of rows.
+pub(super) fn standard_errors(
+    plan: &ResidualPlan,
+    observed: &Observed,
+    linear: &Linearisation,
+    effects: &[String],
+    (point, means): (&Setting, &Means),
+) -> Result<Vec<Option<f64>>, Error> {
+    let (taken, at) = unknowns(plan, effects, point);
+    let (matrix, _) = linear_problem(plan, observed, linear, &taken, (&at, means))?;
+    let whole = matrix.tr_mul(&matrix);
+    let noise = noise_of_slopes(plan, observed, linear, &taken, means)?;
+    let covariance = covariance(&whole, &noise, matrix.nrows());
+    let error = |j: usize| {
+        let square = covariance.as_ref()?[(j, j)];
+        (square > 0.0 && square.is_finite()).then(|| square.sqrt())
+    };
+    Ok((0..plan.declared.len()).map(error).collect())
+}
+
+/// Covariance of a fit by slopes of which so much is noise; none where even the noisy ones do not tell all unknowns.
+fn covariance(whole: &DMatrix<f64>, noise: &DMatrix<f64>, rows: usize) -> Option<DMatrix<f64>> {
+    let root = Cholesky::new(whole.clone())?.l();
+    let half = root.solve_lower_triangular(noise)?;
+    let share = root.solve_lower_triangular(&half.transpose())?;
+    let largest = share.symmetric_eigenvalues().max();
+    let part = (1.0 / largest - 1.0 / rows as f64).clamp(0.0, 1.0);
+    let part = if largest > 0.0 { part } else { 0.0 };
+    let signal = Cholesky::new(whole - noise * part)?.inverse();
+    Some(&signal * whole * &signal)
+}
+
+/// What the noise of the slopes adds on average to the products of the whitened slopes, (parameters, then amplitudes) squared.
+fn noise_of_slopes(
+    plan: &ResidualPlan,
+    observed: &Observed,
+    linear: &Linearisation,
+    taken: &[usize],
+    means: &Means,
+) -> Result<DMatrix<f64>, Error> {
+    let p = plan.declared.len();
+    let n = p + taken.len();
+    let mut noise = DMatrix::zeros(n, n);
+    for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used) {
+        let run = assemble::share_of_run(observed, linear, 1.0 / means.n[c] as f64, c)?;
+        for error in linear.declared_errors.iter().filter(|error| error.at[c]) {
+            let along = DVector::from_column_slice(&error.along);
+            let mut of_declared = noise.view_mut((0, 0), (p, p));
+            of_declared += &along * along.transpose() * run;
+        }
+        for (i, &j) in taken.iter().enumerate() {
+            if linear.moves[p + j][c] {
+                noise[(p + i, p + i)] += run * linear.library_variance[j];
+            }
+        }
+    }
+    Ok(noise)
+}
+
+/// The numbers of some effects, and the parameters and their amplitudes at a point.
+fn unknowns(plan: &ResidualPlan, effects: &[String], point: &Setting) -> (Vec<usize>, Vec<f64>) {
+    let numbers = effects
+        .iter()
+        .filter_map(|name| plan.effects.iter().position(|e| e.name == *name));
+    let taken: Vec<usize> = numbers.collect();
+    let at = values_at(plan, &taken, point);
+    (taken, at)
+}
+
+/// The parameters and the amplitudes of some effects at a point.
+pub(super) fn values_at(plan: &ResidualPlan, effects: &[usize], point: &Setting) -> Vec<f64> {
+    let amplitudes = effects
+        .iter()
+        .map(|&j| point.amplitude(&plan.effects[j].name));
+    let values = point.declared_values(plan).into_iter();
+    values.chain(amplitudes).collect()
+}
+
+/// Whitened rows of the used conditions and of the priors, and what a step from a point (parameters, then amplitudes) should
+/// make of them.
+pub(super) fn linear_problem(
+    plan: &ResidualPlan,
+    observed: &Observed,
+    linear: &Linearisation,
+    taken: &[usize],
+    (at, means): (&[f64], &Means),
+) -> Result<(DMatrix<f64>, DVector<f64>), Error> {
+    let n = plan.declared.len() + taken.len();
+    let (mut rows, mut target) = (Vec::new(), Vec::new());
+    for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used) {
+        let measured = observed.measured(c);
+        let root = assemble::root(observed, linear, 1.0 / means.n[c] as f64, c)?;
+        let slope = |k: usize, j: usize| match j.checked_sub(plan.declared.len()) {
+            None => linear.declared[c][k][j],
+            Some(e) => linear.library[c][k][taken[e]],
+        };
+        let slopes = DMatrix::from_fn(measured.len(), n, |row, j| slope(measured[row], j));
+        let pairs = observed.values[c].iter().zip(&means.values[c]);
+        let residuals = pairs.filter_map(|(y, f)| y.map(|y| y - f));
+        let residual = DVector::from_iterator(measured.len(), residuals);
+        let unsolved = || Error::Search {
+            what: "whitened rows",
+            reason: "the covariance has a zero on its diagonal".into(),
+        };
+        let white = root.solve_lower_triangular(&slopes).ok_or_else(unsolved)?;
+        let right = root
+            .solve_lower_triangular(&residual)
+            .ok_or_else(unsolved)?;
+        rows.extend(white.row_iter().map(Matrix::into_owned));
+        target.extend(right.iter());
+    }
+    for (j, declared) in plan.declared.iter().enumerate() {
+        if let Some([mean, sd]) = declared.prior {
+            let row = |i: usize| if i == j { 1.0 / sd } else { 0.0 };
+            rows.push(RowDVector::from_fn(n, |_, i| row(i)));
+            target.push((mean - at[j]) / sd);
+        }
+    }
+    let matrix = if rows.is_empty() {
+        DMatrix::zeros(0, n)
+    } else {
+        DMatrix::from_rows(&rows)
+    };
+    Ok((matrix, DVector::from_vec(target)))
+}

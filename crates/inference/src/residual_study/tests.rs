@@ -1,0 +1,631 @@
+use super::rivals::sets_to_refit;
+use super::{
+    DeclaredParameter, EffectProbe, Observed, ResidualPlan, ResidualStudy, StudyCondition,
+    study_residual,
+};
+use crate::Laboratory;
+use crate::diagnosis::{CovarianceInput, Problem, Truth, Verdict, trials};
+use campaign::run_store::{Observation, Store};
+use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
+use probability::random_stream::Stream;
+use std::collections::BTreeMap;
+
+/// Noise of one run, and of one measurement.
+const RUN_SD: f64 = 0.1;
+pub(super) const MEASURED_SD: f64 = 0.1;
+
+/// A simulator in closed form: two observables, two parameters, two effects.
+pub(super) struct Toy;
+
+pub(super) fn truth(rpm: f64, fill: f64, a: f64, b: f64, effects: [f64; 2]) -> [f64; 2] {
+    [
+        30.0 + 10.0 * a
+            + 0.1 * rpm
+            + 2.0 * b * fill
+            + effects[0] * 0.004 * rpm * rpm
+            + effects[1] * 3.0 * fill,
+        1.0 + a * fill + 0.5 * b + effects[0] * fill * fill - effects[1] * 0.05 * rpm,
+    ]
+}
+
+impl Simulator for Toy {
+    fn version(&self) -> String {
+        "toy".into()
+    }
+
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        let (rpm, fill) = (request.condition("rpm")?, request.condition("fill")?);
+        let effects = [request.effect("bend"), request.effect("tilt")];
+        if request.effect("no surface") != 0.0 {
+            let reason = "no frame shows a surface".to_owned();
+            return Err(SimulatorError::Refused { reason });
+        }
+        let values = truth(
+            rpm,
+            fill,
+            request.parameter("a")?,
+            request.parameter("b")?,
+            effects,
+        );
+        Ok(outcome(request, values))
+    }
+}
+
+/// A run that gives these values with noise. The effect "turn" is that of a camera: it adds to the angle and
+/// leaves the noise alone.
+pub(super) fn outcome(request: &RunRequest, [angle, shape]: [f64; 2]) -> RunOutcome {
+    let values = [angle + request.effect("turn"), shape];
+    let mut motion = request.clone();
+    motion.effects.remove("turn");
+    let mut stream = Stream::new(motion.seed, &format!("{motion}"));
+    let mut outcome = RunOutcome::default();
+    for (name, value) in ["angle", "shape"].iter().zip(values) {
+        let mean = value + RUN_SD * stream.normal();
+        let result = Observation {
+            mean,
+            sd: None,
+            n: 1,
+            unit: "1".into(),
+        };
+        outcome = outcome.with_observable(name, result);
+    }
+    outcome
+}
+
+pub(super) fn plan(seed: u64) -> ResidualPlan {
+    let mut conditions = Vec::new();
+    for rpm in [5.0, 10.0, 20.0, 30.0] {
+        for fill in [0.2, 0.3, 0.4] {
+            conditions.push(StudyCondition {
+                model: None,
+                observables: None,
+                condition: BTreeMap::from([("rpm".to_owned(), rpm), ("fill".to_owned(), fill)]),
+                parameters: None,
+                used: rpm != 20.0,
+            });
+        }
+    }
+    let declared = |name: &str| DeclaredParameter {
+        name: name.into(),
+        start: 0.5,
+        step: 0.3,
+        bounds: [0.0, 2.0],
+        prior: None,
+    };
+    let effect = |name: &str| EffectProbe {
+        name: name.into(),
+        probe: 2.0,
+        range: [0.0, 5.0],
+        absent: BTreeMap::new(),
+    };
+    ResidualPlan {
+        id: "toy".into(),
+        base: RunRequest::new("toy", 100 + seed),
+        conditions,
+        observables: vec!["angle".into(), "shape".into()],
+        declared: vec![declared("a"), declared("b")],
+        effects: vec![effect("bend"), effect("tilt")],
+        replicates: 4,
+        seed,
+        candidates: Vec::new(),
+    }
+}
+
+/// The study of a simulator, on two threads.
+pub(super) fn studied(
+    simulator: &dyn Simulator,
+    plan: &ResidualPlan,
+    data: &Observed,
+) -> ResidualStudy {
+    let store = Store::in_memory();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    study_residual(&campaign, simulator, plan, data).unwrap()
+}
+
+pub(super) fn observed(plan: &ResidualPlan, effects: [f64; 2], seed: u64) -> Observed {
+    measured(plan, seed, |rpm, fill| truth(rpm, fill, 0.7, 0.4, effects))
+}
+
+pub(super) fn measured(
+    plan: &ResidualPlan,
+    seed: u64,
+    truth: impl Fn(f64, f64) -> [f64; 2],
+) -> Observed {
+    let mut stream = Stream::new(seed, "measured");
+    let values = plan.conditions.iter().map(|c| {
+        let values = truth(c.condition["rpm"], c.condition["fill"]);
+        values
+            .iter()
+            .map(|v| Some(v + MEASURED_SD * stream.normal()))
+            .collect()
+    });
+    let square = MEASURED_SD * MEASURED_SD;
+    Observed {
+        values: values.collect(),
+        covariance: vec![vec![vec![square, 0.0], vec![0.0, square]]; plan.conditions.len()],
+    }
+}
+
+/// The planted effect is named, its amplitude comes back within four standard errors of the
+/// linear estimate, and the error on the kept conditions falls to the noise: a whitened mean
+/// square of 6 rows lies below 3 with a chance of 0.995.
+#[test]
+fn a_planted_effect_is_named_and_the_kept_error_falls() {
+    let store = Store::in_memory();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let plan = plan(1);
+    let study = study_residual(&campaign, &Toy, &plan, &observed(&plan, [2.0, 0.0], 1)).unwrap();
+    assert_eq!(
+        study.diagnosis.verdict,
+        Verdict::Named,
+        "{}",
+        study.diagnosis.summary()
+    );
+    assert_eq!(study.diagnosis.effects, ["bend"]);
+    let after = study.after.unwrap();
+    let se = study.diagnosis.candidates["bend"].se.unwrap();
+    assert!(
+        (after.effects["bend"] - 2.0).abs() < 4.0 * se,
+        "{:?} se {se}",
+        after.effects
+    );
+    let kept = after.errors.kept.unwrap().whitened_mse;
+    let before = study.errors_before.kept.unwrap().whitened_mse;
+    assert!(
+        kept < 3.0 && kept < before / 2.0,
+        "before {before}, after {kept}"
+    );
+}
+
+/// Without a planted effect nothing is named; the seed is fixed, and a right rule errs in 5 %.
+#[test]
+fn nothing_is_named_where_nothing_is_hidden() {
+    let store = Store::in_memory();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let plan = plan(2);
+    let study = study_residual(&campaign, &Toy, &plan, &observed(&plan, [0.0, 0.0], 2)).unwrap();
+    assert_eq!(
+        study.diagnosis.verdict,
+        Verdict::None,
+        "{}",
+        study.diagnosis.summary()
+    );
+    assert!(study.after.is_none(), "an effect was added");
+    for (name, expected) in [("a", 0.7), ("b", 0.4)] {
+        assert!(
+            (study.fitted[name] - expected).abs() < 0.3,
+            "{name} {:?}",
+            study.fitted
+        );
+    }
+}
+
+/// Of 2000 campaigns in which nothing is hidden, each fitted, linearised and diagnosed from its own runs, no more than
+/// 5 % report that something is missing: 100, and three standard errors of 10 more at most. Also prints the rate.
+#[test]
+#[ignore = "minutes; `just null-campaigns`"]
+fn few_campaigns_without_a_hidden_effect_report_one() {
+    let campaigns = 2000;
+    let mut reported = 0;
+    for seed in 0..campaigns {
+        let store = Store::in_memory();
+        let campaign = Campaign::new(&store, 2, &Silent);
+        let plan = plan(1000 + seed);
+        let observed = observed(&plan, [0.0, 0.0], seed);
+        let study = study_residual(&campaign, &Toy, &plan, &observed).unwrap();
+        reported += usize::from(study.diagnosis.verdict != Verdict::None);
+    }
+    println!("{reported} of {campaigns} campaigns report something missing");
+    assert!(reported <= 130, "{reported}");
+}
+
+/// Drawn campaigns of the design of a study forecast how often it errs where nothing is hidden: in 4 % of
+/// [2000 campaigns](few_campaigns_without_a_hidden_effect_report_one) of this plan. Of twenty studies with a hundred campaigns
+/// each the mean has a standard error of 0.5 %. Parameters that are mis-tuned by twice their standard errors, as if these were
+/// independent, would have it 27 %.
+#[test]
+fn false_alarms_are_forecast_as_they_are() {
+    let forecast = |seed: u64| {
+        let plan = plan(1000 + seed);
+        let study = studied(&Toy, &plan, &observed(&plan, [0.0, 0.0], seed));
+        let problem = Problem::try_from(study.problem).unwrap();
+        trials(&problem, &[Truth::Nothing], 100, seed, 0).unwrap()[0].alarm()
+    };
+    let mean = (0..20).map(forecast).sum::<f64>() / 20.0;
+    assert!((0.02..0.08).contains(&mean), "{mean}");
+}
+
+#[test]
+fn one_replicate_is_refused_because_it_gives_no_noise() {
+    let store = Store::in_memory();
+    let campaign = Campaign::new(&store, 1, &Silent);
+    let plan = ResidualPlan {
+        replicates: 1,
+        ..plan(3)
+    };
+    let error = study_residual(&campaign, &Toy, &plan, &observed(&plan, [0.0; 2], 3)).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("replicates: 1 given, two or more needed"),
+        "{error}"
+    );
+}
+
+/// A probe that cannot be run costs its own effect only: the others are diagnosed as without it, bit
+/// for bit, and the reason is kept.
+#[test]
+fn an_effect_that_cannot_be_run_is_left_out_with_its_reason() {
+    let store = Store::in_memory();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let plan = plan(1);
+    let mut more = plan.clone();
+    more.effects.insert(
+        0,
+        EffectProbe {
+            name: "no surface".into(),
+            probe: 1.0,
+            range: [0.0, 1.0],
+            absent: BTreeMap::new(),
+        },
+    );
+    let data = observed(&plan, [2.0, 0.0], 1);
+    let with = study_residual(&campaign, &Toy, &more, &data).unwrap();
+    let without = study_residual(&campaign, &Toy, &plan, &data).unwrap();
+    assert!(with.left_out["no surface"].contains("no frame shows a surface"));
+    assert!(without.left_out.is_empty());
+    assert_eq!(with.diagnosis, without.diagnosis);
+}
+
+/// An effect that leaves the motion alone has an exact sensitivity, and its runs say nothing new of the noise;
+/// another has a noise of its own.
+#[test]
+fn an_effect_of_the_camera_shares_the_noise_of_the_start() {
+    let store = Store::in_memory();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let plan = plan(5);
+    let mut more = plan.clone();
+    more.effects.push(EffectProbe {
+        name: "turn".into(),
+        probe: 2.0,
+        range: [-5.0, 5.0],
+        absent: BTreeMap::new(),
+    });
+    let data = observed(&plan, [2.0, 0.0], 5);
+    let without = study_residual(&campaign, &Toy, &plan, &data).unwrap();
+    let with = study_residual(&campaign, &Toy, &more, &data).unwrap();
+    assert_eq!(
+        with.diagnosis.effects,
+        ["bend"],
+        "{}",
+        with.diagnosis.summary()
+    );
+    assert_eq!(with.noise_dof, without.noise_dof);
+    let CovarianceInput::Blocks(turn) = &with.problem.cov_sensitivities_library[2] else {
+        panic!("{:?}", with.problem.cov_sensitivities_library);
+    };
+    let CovarianceInput::Blocks(bend) = &with.problem.cov_sensitivities_library[0] else {
+        panic!("{:?}", with.problem.cov_sensitivities_library);
+    };
+    for (turn, bend) in turn.iter().zip(bend) {
+        assert!(turn[0][0] < 1e-12 && bend[0][0] > 1e-6, "{turn:?} {bend:?}");
+    }
+    // Rounding of the mean of four values about 30.
+    let slopes = with.problem.sensitivities_library.iter().step_by(2);
+    assert!(slopes.clone().all(|row| (row[2] - 1.0).abs() < 1e-12));
+}
+
+/// A laboratory gives the truth with the noise that it states: variance of a mean of four runs plus that of
+/// reading. Pooled over 12 conditions that is 36 degrees of freedom, so a variance of runs is right within
+/// four times its standard error, sqrt(2/36); a mean within five standard errors.
+#[test]
+fn a_laboratory_states_its_own_noise() {
+    let store = Store::in_memory();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let plan = plan(6);
+    let laboratory = Laboratory {
+        parameters: BTreeMap::from([("a".to_owned(), 0.7), ("b".to_owned(), 0.4)]),
+        effects: BTreeMap::from([("tilt".to_owned(), 1.5)]),
+        runs: 4,
+        reading_sd: &[0.2, 0.0],
+        first_seed: 5000,
+        reading: Stream::new(6, "reading"),
+    };
+    let data = laboratory.measure(&campaign, &Toy, &plan).unwrap();
+    let of_runs = RUN_SD * RUN_SD / 4.0;
+    for (k, reading) in [0.04, 0.0].into_iter().enumerate() {
+        let stated = data.covariance[0][k][k] - reading;
+        assert!(
+            (stated / of_runs - 1.0).abs() < 4.0 * (2.0_f64 / 36.0).sqrt(),
+            "{stated}"
+        );
+        for (row, c) in data.values.iter().zip(&plan.conditions) {
+            let true_values = truth(
+                c.condition["rpm"],
+                c.condition["fill"],
+                0.7,
+                0.4,
+                [0.0, 1.5],
+            );
+            let off = row[k].unwrap() - true_values[k];
+            assert!(off.abs() < 5.0 * (of_runs + reading).sqrt(), "{off}");
+        }
+    }
+}
+
+/// Values that were not measured carry nothing: with the second observable missing everywhere the
+/// study is that of the first alone.
+#[test]
+fn a_value_that_was_not_measured_has_no_weight() {
+    let store = Store::in_memory();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let both = plan(1);
+    let mut data = observed(&both, [2.0, 0.0], 1);
+    let one = ResidualPlan {
+        observables: vec!["angle".into()],
+        ..both.clone()
+    };
+    let mut alone = data.clone();
+    for (row, block) in alone.values.iter_mut().zip(&mut alone.covariance) {
+        row.truncate(1);
+        *block = vec![vec![block[0][0]]];
+    }
+    for row in &mut data.values {
+        row[1] = None;
+    }
+    let missing = study_residual(&campaign, &Toy, &both, &data).unwrap();
+    let alone = study_residual(&campaign, &Toy, &one, &alone).unwrap();
+    let t0 = |s: &super::ResidualStudy| s.diagnosis.structured_residual.t0.unwrap();
+    assert!(
+        (t0(&missing) - t0(&alone)).abs() < 1e-9 * t0(&alone),
+        "rounding"
+    );
+    assert_eq!(missing.fitted, alone.fitted);
+    assert_eq!(missing.errors_before.used.rmse.len(), 1);
+}
+
+/// Two effects that do the same, "bend" and "bow"; the second cannot be run at 25 rpm.
+struct Twins;
+
+impl Simulator for Twins {
+    fn version(&self) -> String {
+        "twins".into()
+    }
+
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        if request.condition("rpm")? == 25.0 && request.effect("bow") != 0.0 {
+            let reason = "the bow breaks at 25 rpm".to_owned();
+            return Err(SimulatorError::Refused { reason });
+        }
+        let mut one = request.clone();
+        let both = request.effect("bend") + request.effect("bow");
+        one.effects.insert("bend".into(), both);
+        Toy.run(&one)
+    }
+}
+
+/// The plan with both twins in the library.
+pub(super) fn plan_of_twins() -> ResidualPlan {
+    let mut plan = plan(1);
+    let bow = EffectProbe {
+        name: "bow".into(),
+        ..plan.effects[0].clone()
+    };
+    plan.effects.push(bow);
+    plan
+}
+
+/// Twins tie, and each is added in turn: with either the amplitude comes back within four standard errors, and the
+/// error on the kept conditions falls to the noise, as for a lone effect above.
+#[test]
+fn tied_effects_are_added_in_turn() {
+    let plan = plan_of_twins();
+    let data = observed(&plan, [2.0, 0.0], 1);
+    let study = studied(&Twins, &plan, &data);
+    let diagnosis = &study.diagnosis;
+    assert_eq!(diagnosis.verdict, Verdict::Tie, "{}", diagnosis.summary());
+    let mut tied = diagnosis.effects.clone();
+    tied.sort();
+    assert_eq!(tied, ["bend", "bow"]);
+    assert!(study.after.is_none());
+    let before = study.errors_before.kept.unwrap().whitened_mse;
+    assert_eq!(study.rivals.len(), 2);
+    for name in ["bend", "bow"] {
+        let model = study.rivals.iter().find(|m| m.effects.contains_key(name));
+        let model = model.unwrap();
+        assert_eq!(model.effects.len(), 1, "{:?}", model.effects);
+        let se = diagnosis.candidates[name].se.unwrap();
+        assert!((model.effects[name] - 2.0).abs() < 4.0 * se, "{name}");
+        let kept = model.errors.kept.as_ref().unwrap().whitened_mse;
+        assert!(kept < 3.0 && kept < before / 2.0, "{before} -> {kept}");
+    }
+    assert!(
+        diagnosis.summary().contains("falls by real runs"),
+        "{}",
+        diagnosis.summary()
+    );
+}
+
+/// A tied effect whose model cannot be run at a kept condition costs itself, not the study. (In one campaign of 25 the noise of
+/// the slopes tells twins apart; these data are none of those.)
+#[test]
+fn a_tied_effect_that_cannot_be_run_is_told_and_left_out() {
+    let mut plan = plan_of_twins();
+    for condition in plan.conditions.iter_mut().filter(|c| !c.used) {
+        condition.condition.insert("rpm".into(), 25.0);
+    }
+    let data = observed(&plan, [2.0, 0.0], 2);
+    let study = studied(&Twins, &plan, &data);
+    assert_eq!(study.diagnosis.verdict, Verdict::Tie);
+    assert_eq!(study.rivals.len(), 1);
+    assert!(study.rivals[0].effects.contains_key("bend"));
+    let said = study.diagnosis.warnings.join(" ");
+    assert!(
+        said.contains("the model with bow could not be run") && said.contains("breaks at 25 rpm"),
+        "{said}"
+    );
+}
+
+/// An observable without any scatter of the runs, such as a count, is no reason to stop.
+#[test]
+fn an_observable_that_does_not_scatter_can_be_fitted() {
+    struct Counting;
+    impl Simulator for Counting {
+        fn version(&self) -> String {
+            "counting".into()
+        }
+
+        fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+            let mut outcome = Toy.run(request)?;
+            if let Some(shape) = outcome.observables.get_mut("shape") {
+                shape.mean = 3.0;
+            }
+            Ok(outcome)
+        }
+    }
+    let store = Store::in_memory();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let plan = plan(9);
+    let data = measured(&plan, 9, |rpm, fill| {
+        [truth(rpm, fill, 0.7, 0.4, [2.0, 0.0])[0], 3.0]
+    });
+    study_residual(&campaign, &Counting, &plan, &data).unwrap();
+}
+
+/// The first of each group is the effect that was taken: all of them together come first, then the next best of each
+/// group in its place, and never an effect twice in one.
+#[test]
+fn models_to_be_run_begin_with_what_was_taken() {
+    let plan = plan(2);
+    let mut diagnosis = studied(&Toy, &plan, &observed(&plan, [0.0; 2], 2)).diagnosis;
+    let sets = |d: &_| sets_to_refit(d, &plan).0;
+    assert!(sets(&diagnosis).is_empty(), "nothing is named");
+    let groups = |groups: &[&[&str]]| -> Vec<Vec<String>> {
+        let owned = |group: &&[&str]| group.iter().map(|&name| name.to_owned()).collect();
+        groups.iter().map(owned).collect()
+    };
+    diagnosis.tie_groups = groups(&[&["a", "b"], &["d", "a"]]);
+    let expected = groups(&[&["a", "d"], &["b", "d"]]);
+    assert_eq!(sets(&diagnosis), expected);
+}
+
+/// "bend" leaves 4 of 104. "tilt" is a rival, behind what ties, where it leaves 54 or less: half of the 100 that "bend" explains.
+#[test]
+fn an_effect_that_explains_half_as_much_is_a_rival() {
+    let plan = plan(2);
+    let mut diagnosis = studied(&Toy, &plan, &observed(&plan, [0.0; 2], 2)).diagnosis;
+    diagnosis.effects = vec!["bend".into()];
+    diagnosis.tie_groups = vec![diagnosis.effects.clone()];
+    diagnosis.structured_residual.t0 = Some(104.0);
+    let mut sets = |left: f64| {
+        for (name, left) in [("bend", 4.0), ("tilt", left)] {
+            let candidate = diagnosis.candidates.get_mut(name).unwrap();
+            (candidate.t_after, candidate.amplitude, candidate.testable) = (left, Some(1.0), true);
+        }
+        sets_to_refit(&diagnosis, &plan)
+    };
+    let alone = vec![vec!["bend".to_owned()]];
+    let both = vec![vec!["bend".to_owned()], vec!["tilt".to_owned()]];
+    assert_eq!(sets(55.0), (alone, 1));
+    assert_eq!(sets(53.0), (both, 1));
+}
+
+/// The drum of [`Toy`] by its angle alone, and a sled that no camera sees; both feel the friction "a".
+struct DrumAndSled;
+
+impl Simulator for DrumAndSled {
+    fn version(&self) -> String {
+        "drum and sled".into()
+    }
+
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        if request.model != "sled" {
+            return Toy.run(request);
+        }
+        if request.effect("turn") != 0.0 {
+            let reason = "a sled has no camera".to_owned();
+            return Err(SimulatorError::Refused { reason });
+        }
+        let a = request.parameter("a")?;
+        Ok(outcome(request, [20.0 + 10.0 * a, 1.0]))
+    }
+}
+
+/// Evidence across scenes: a turned camera moves the angle of a drum as friction does, and no re-tuning can tell the two
+/// apart in the drum alone. A sled that the camera does not see fixes the friction. There the effect is 0 without
+/// noise, and nothing is run with it.
+#[test]
+fn an_effect_is_zero_in_a_scene_that_cannot_carry_it() {
+    let diagnosed = |with_sled: bool| {
+        let store = Store::in_memory();
+        let campaign = Campaign::new(&store, 2, &Silent);
+        let mut plan = plan(1);
+        let mut data = measured(&plan, 1, |rpm, fill| {
+            truth(rpm, fill, 0.7, 0.4, [0.0, 0.0]).map(|value| value + 3.0)
+        });
+        for (condition, values) in plan.conditions.iter_mut().zip(&mut data.values) {
+            condition.observables = Some(BTreeMap::from([("angle".into(), "angle".into())]));
+            values[1] = None;
+        }
+        plan.observables = vec!["angle".into(), "slope".into()];
+        plan.observables.truncate(if with_sled { 2 } else { 1 });
+        plan.declared.truncate(1);
+        plan.base.parameters.insert("b".into(), 0.4);
+        if with_sled {
+            plan.conditions.push(StudyCondition {
+                model: Some("sled".into()),
+                condition: BTreeMap::new(),
+                observables: Some(BTreeMap::from([("slope".into(), "angle".into())])),
+                parameters: None,
+                used: true,
+            });
+            data.values.push(vec![None, Some(27.0)]);
+            data.covariance.push(data.covariance[0].clone());
+        } else {
+            data.values.iter_mut().for_each(|row| row.truncate(1));
+            let corner = vec![vec![data.covariance[0][0][0]]];
+            data.covariance
+                .iter_mut()
+                .for_each(|block| block.clone_from(&corner));
+        }
+        plan.effects = vec![EffectProbe {
+            name: "turn".into(),
+            probe: 2.0,
+            range: [-5.0, 5.0],
+            absent: BTreeMap::from([("sled".into(), "it has no camera".into())]),
+        }];
+        study_residual(&campaign, &DrumAndSled, &plan, &data).unwrap()
+    };
+    let drum_alone = diagnosed(false).diagnosis;
+    assert_eq!(drum_alone.not_testable, ["turn"]);
+    let both = diagnosed(true);
+    assert_eq!(
+        both.diagnosis.effects,
+        ["turn"],
+        "{}",
+        both.diagnosis.summary()
+    );
+    let amplitude = both.after.as_ref().unwrap().effects["turn"];
+    assert!((amplitude - 3.0).abs() < 0.6, "{amplitude}");
+    let slopes = both.problem.sensitivities_library.last().unwrap();
+    assert_eq!(slopes[0], 0.0);
+    let CovarianceInput::Blocks(noise) = &both.problem.cov_sensitivities_library[0] else {
+        panic!("{:?}", both.problem.cov_sensitivities_library);
+    };
+    assert_eq!(noise.last().unwrap()[1][1], 0.0);
+}
+
+/// An effect whose probe is so small that its slope is noise cannot be judged by it. It is run at its largest amplitude,
+/// where it stands out, and is found.
+#[test]
+fn a_slope_that_is_noise_is_measured_at_the_largest_amplitude() {
+    let store = Store::in_memory();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let mut plan = plan(1);
+    plan.effects[0].probe = 0.02;
+    let study = study_residual(&campaign, &Toy, &plan, &observed(&plan, [2.0, 0.0], 1)).unwrap();
+    let diagnosis = &study.diagnosis;
+    assert_eq!(diagnosis.effects, ["bend"], "{}", diagnosis.summary());
+    let amplitude = study.after.as_ref().unwrap().effects["bend"];
+    assert!((amplitude - 2.0).abs() < 0.5, "{amplitude}");
+}

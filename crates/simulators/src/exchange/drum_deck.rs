@@ -1,0 +1,175 @@
+//! What the decks of all tools have in common: which drums they can run, and how conventions are converted.
+
+use crate::exchange::Error;
+use contact_law::{RollingLever, hertz_mindlin::damping_ratio};
+use dem_solver::DashpotMass;
+use scene::{Apparatus, ContactSettings, Drum, Scene, SeedBody};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// How much finer than here a deck is stepped: velocity Verlet with the hard contacts of the tips
+/// needs more steps a contact than three.
+pub const FINER: f64 = 4.0;
+
+/// Whether all seeds are plain spheres, which need no rigid bodies.
+pub(crate) fn are_spheres(bodies: &[Arc<SeedBody>]) -> bool {
+    bodies.iter().all(|b| b.clump.spheres().len() == 1)
+}
+
+/// Density of a plain sphere, kg/m³.
+pub(crate) fn density_of_sphere(body: &SeedBody) -> f64 {
+    let radius = body.clump.spheres()[0].radius;
+    body.clump.mass() / (4.0 / 3.0 * PI * radius.powi(3))
+}
+
+/// Steps in a time (s), at least as long.
+pub(crate) fn steps(time: f64, time_step: f64) -> f64 {
+    (time / time_step).ceil()
+}
+
+/// Means over all seeds.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shares {
+    /// Mass that the dashpot sees here over the mass of the body.
+    pub(crate) mass: f64,
+    /// Lever arm of rolling resistance over the distance from the contact to the centre of the sphere.
+    pub(crate) lever: f64,
+}
+
+impl Shares {
+    /// Of the seeds of a scene.
+    pub(crate) fn of(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Self {
+        let over_seeds = |share: fn(&SeedBody) -> f64| {
+            let kinds = scene.seed.iter().zip(bodies);
+            let sum: f64 = kinds
+                .map(|(s, body)| scene.count_of(s) as f64 * share(body))
+                .sum();
+            sum / scene.seed_count() as f64
+        };
+        Self {
+            mass: match scene.model.dashpot_mass {
+                DashpotMass::Sphere => over_seeds(|b| b.clump.fraction_mass(0) / b.clump.mass()),
+                DashpotMass::Body | DashpotMass::Shared => 1.0,
+            },
+            lever: match scene.model.rolling_lever {
+                RollingLever::Centre => over_seeds(lever_share),
+                RollingLever::Sphere => 1.0,
+            },
+        }
+    }
+}
+
+/// Restitution that gives, with the mass of the body, the dashpot of a share of that mass.
+pub(crate) fn restitution_of_body(restitution: f64, mass_share: f64) -> f64 {
+    let ratio = damping_ratio(restitution) * mass_share.sqrt();
+    if ratio < 1.0 {
+        (-PI * ratio / (1.0 - ratio * ratio).sqrt()).exp()
+    } else {
+        0.0
+    }
+}
+
+/// The dashpots that other codes have.
+pub(crate) const DASHPOTS_THERE: &str = "calibrate with model.dashpot_mass = \"sphere\" or \"body\" and without \
+                                         model.whole_seed_damping: there a dashpot knows the mass of a sphere or of a body";
+
+/// The dashpots of a scene that other codes lack: those that share the mass which a push moves; none where it has others.
+pub(crate) fn whole_seed_damping(scene: &Scene) -> Option<String> {
+    let share = scene.model.whole_seed_damping;
+    if scene.model.dashpot_mass == DashpotMass::Shared {
+        Some("a dashpot that shares the mass of a body".into())
+    } else if share != 0.0 {
+        Some(format!(
+            "whole-seed damping of {share}, whose dashpots share the mass that a push moves"
+        ))
+    } else {
+        None
+    }
+}
+
+/// Whether a contact attracts by its area.
+pub(crate) fn coheres(contact: &ContactSettings) -> bool {
+    contact
+        .cohesion_energy_density_j_m3
+        .is_some_and(|k| k != 0.0)
+}
+
+/// Lever arm of a contact about the centre of a seed over the radius of its sphere: the mean over the
+/// spheres at the surface.
+pub(crate) fn lever_share(body: &SeedBody) -> f64 {
+    let outer = body.outer.spheres();
+    let levers = outer
+        .iter()
+        .map(|s| (s.centre.norm() + s.radius) / s.radius);
+    levers.sum::<f64>() / outer.len() as f64
+}
+
+/// The drum, if the tool can run the scene.
+///
+/// # Errors
+///
+/// What neither LAMMPS nor LIGGGHTS has.
+pub(crate) fn supported<'a>(scene: &'a Scene, tool: &'static str) -> Result<&'a Drum, Error> {
+    let missing = |what: &str, way_out| {
+        Err(Error::NotThere {
+            what: what.to_owned(),
+            tool,
+            way_out,
+        })
+    };
+    let Apparatus::Drum(drum) = &scene.apparatus else {
+        return missing("this apparatus", "export a scene with a drum");
+    };
+    if drum.lifters.is_some() || !scene.wall.is_empty() {
+        return missing(
+            "a wall of triangles",
+            "remove lifters and [[wall]] from the scene",
+        );
+    }
+    if drum.covers_at_rest {
+        return missing(
+            "covers that stand still",
+            "remove apparatus.covers_at_rest from the scene",
+        );
+    }
+    if drum.ramp.is_some() || drum.reverse_every.is_some() || drum.ripple.is_some() {
+        return missing(
+            "a speed that changes",
+            "remove ramp, reverse_every and ripple",
+        );
+    }
+    if !scene.surroundings.is_empty() {
+        return missing("air, charge or vibration", "remove [surroundings]");
+    }
+    let pulls = |c: &ContactSettings| c.attraction_n.is_some_and(|force| force != 0.0);
+    if scene.contact.values().any(pulls) {
+        return missing("a constant attraction", "remove attraction_n");
+    }
+    if scene.model.bond_number != 0.0 {
+        return missing("a constant attraction", "set model.bond_number to 0");
+    }
+    if scene.model.liquid.is_some() {
+        return missing("a bridge of liquid", "remove model.liquid");
+    }
+    let depends_on_rate =
+        |c: &ContactSettings| c.viscoelastic_damping.is_some() || c.friction_rate.is_some();
+    if scene.contact.values().any(depends_on_rate) {
+        return missing(
+            "a law that depends on the speed",
+            "remove viscoelastic_damping and friction_rate",
+        );
+    }
+    if scene.model.bonds.is_some() {
+        return missing("seeds of bonded spheres", "remove model.bonds");
+    }
+    if let Some(missed) = whole_seed_damping(scene) {
+        return missing(&missed, DASHPOTS_THERE);
+    }
+    let materials = scene.seed.iter().map(|s| s.material.as_str());
+    let mut materials: Vec<_> = materials.collect();
+    materials.dedup();
+    if materials.len() > 1 {
+        return missing("a second material of seeds", "give all seeds one material");
+    }
+    Ok(drum)
+}
