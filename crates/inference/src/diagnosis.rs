@@ -44,7 +44,6 @@ mod covariance;
 mod decision;
 mod detectability;
 mod diagnose;
-mod diagnosis;
 mod error;
 mod fit;
 mod gates;
@@ -53,6 +52,7 @@ mod kept_conditions;
 mod max_test;
 mod next_measurement;
 mod next_trials;
+mod outcome;
 mod power;
 mod problem;
 mod problem_file;
@@ -67,15 +67,15 @@ mod trials;
 pub use before_after::{BeforeAfter, Change, Contrast, PartErrors, Stages};
 pub use box_least_squares::least_squares_step;
 pub use diagnose::{Options, diagnose};
-pub use diagnosis::{
-    Amplitude, CandidateResult, CheckedModel, ConditionShare, DeclaredResult, Diagnosis, Evidence,
-    Limit, ObservableSupport, StructuredResidual, Unseen, Verdict,
-};
 pub use error::Error;
 pub use ideal::{Ideal, ideal};
 pub use kept_conditions::{KeptCondition, ln_over_unknown};
 pub use next_measurement::{NextMeasurement, PlannedExperiment, Purpose, QuestionedEffect};
 pub use next_trials::{NextTrials, Resolved, next_trials};
+pub use outcome::{
+    Amplitude, CandidateResult, CheckedModel, ConditionShare, DeclaredResult, Diagnosis, Evidence,
+    Limit, ObservableSupport, StructuredResidual, Unseen, Verdict,
+};
 pub use power::{Power, PowerDesign, power};
 pub use problem::Problem;
 pub use problem_file::{

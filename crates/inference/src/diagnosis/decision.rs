@@ -2,9 +2,9 @@
 
 use crate::diagnosis::bayes_factor::{ln_factor_of_effect, ln_factor_of_unknown};
 use crate::diagnosis::detectability::testable;
-use crate::diagnosis::diagnosis::Verdict;
 use crate::diagnosis::fit::{Fit, as_simulated};
 use crate::diagnosis::gates::{ALPHA, GATE, Gates};
+use crate::diagnosis::outcome::Verdict;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::problem_file::Sign;
 use crate::diagnosis::tails::upper_tail;

@@ -1,7 +1,7 @@
 //! Which effects could be seen at all, from which amplitude on, and why not.
 
-use crate::diagnosis::diagnosis::Unseen;
 use crate::diagnosis::fit::Fit;
+use crate::diagnosis::outcome::Unseen;
 use crate::diagnosis::problem::Problem;
 
 /// Expected score of the largest amplitude below which a candidate is not testable.

@@ -7,13 +7,13 @@ use crate::diagnosis::bayes_factor::{ln_factor_of_effect, ln_factor_of_unknown};
 use crate::diagnosis::before_after::{BeforeAfter, before_after};
 use crate::diagnosis::decision::{Decision, decide};
 use crate::diagnosis::detectability::{smallest_detectable, testable, why_unseen};
-use crate::diagnosis::diagnosis::{
-    Amplitude, CandidateResult, ConditionShare, DeclaredResult, Diagnosis, Evidence, Limit,
-    ObservableSupport, StructuredResidual, Verdict,
-};
 use crate::diagnosis::fit::Fit;
 use crate::diagnosis::gates::{GATE, Gates};
 use crate::diagnosis::next_measurement::next_measurement;
+use crate::diagnosis::outcome::{
+    Amplitude, CandidateResult, ConditionShare, DeclaredResult, Diagnosis, Evidence, Limit,
+    ObservableSupport, StructuredResidual, Verdict,
+};
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::refits::KNOWN;
 use crate::diagnosis::summary::summary;

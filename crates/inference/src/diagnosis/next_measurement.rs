@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::diagnosis::Error;
-use crate::diagnosis::diagnosis::{Diagnosis, Unseen, Verdict};
+use crate::diagnosis::outcome::{Diagnosis, Unseen, Verdict};
 use crate::diagnosis::problem::{Experiment, Problem};
 use crate::diagnosis::summary::{listed, summary};
 use crate::diagnosis::telling_rows::{Pair, Rows};

@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 
 use crate::diagnosis::covariance::Covariance;
 use crate::diagnosis::decision::decide;
-use crate::diagnosis::diagnosis::Verdict;
 use crate::diagnosis::fit::Fit;
+use crate::diagnosis::outcome::Verdict;
 use crate::diagnosis::problem::{Candidate, Part, Problem, Row, SlopeNoise};
 use crate::diagnosis::problem_file::{Condition, Level, Sign};
 use crate::diagnosis::{Error, Options};

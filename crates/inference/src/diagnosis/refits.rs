@@ -1,8 +1,8 @@
 //! Models with effects that real runs have fitted again, against each other: these decide about a name.
 
 use crate::diagnosis::decision::LN_FACTOR_TO_NAME;
-use crate::diagnosis::diagnosis::{Diagnosis, Verdict};
 use crate::diagnosis::gates::{ALPHA, GATE};
+use crate::diagnosis::outcome::{Diagnosis, Verdict};
 use crate::diagnosis::summary::summary;
 use crate::diagnosis::tails::upper_tail;
 use input::quantity::significant;

@@ -4,7 +4,7 @@ use input::quantity::significant;
 use std::fmt::Write as _;
 
 use crate::diagnosis::decision::LN_FACTOR_TO_NAME;
-use crate::diagnosis::diagnosis::{Diagnosis, Verdict};
+use crate::diagnosis::outcome::{Diagnosis, Verdict};
 use crate::diagnosis::refits::odds;
 
 /// Puts a diagnosis into sentences.

@@ -27,7 +27,7 @@ const REMEMBERED: usize = 256;
 /// Scenes by name, with parameters, conditions and effects.
 ///
 /// A request's `parameters` are symbols of the bindings; its `condition` may hold `rpm`, `seed_count` and
-/// `session`; its `effects` are those of [`simulators::effects`].
+/// `session`; its `effects` are those of [`crate::effects`].
 #[derive(Debug)]
 pub struct SceneSimulator {
     /// Scenes by the name that requests use.
