@@ -10,6 +10,7 @@ use crate::work::Job;
 use anyhow::Context as _;
 use campaign::run_store::{Observation, Record, Store};
 use campaign::{Campaign, ProgressFolder, time_in_words};
+use command_line::table_file;
 use command_line::{Common, DONE, Header, NOT_MET, Overwrite, try_folder, write_new};
 use serde::Serialize;
 use simulators::scene_simulator::no_surface_of;
@@ -189,12 +190,10 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let text = table.results_csv(&outcomes);
     // The folder was asked for: what lies in it may be renewed.
     let table_written = write_new(&file, text.as_bytes(), Overwrite::Allow);
-    let is_workbook = command_line::table_file::is_workbook_name(
-        &command_line::table_file::file_of(&arguments.design),
-    );
+    let is_workbook = table_file::is_workbook_name(&table_file::file_of(&arguments.design));
     let workbook_written = if is_workbook {
         let file = file.with_extension("xlsx");
-        command_line::table_file::bytes_for(&file, &text)
+        table_file::bytes_for(&file, &text)
             .map_err(Into::into)
             .and_then(|bytes| write_new(&file, &bytes, Overwrite::Allow))
     } else {
@@ -247,7 +246,7 @@ fn job(arguments: &Arguments, folder: &Path) -> anyhow::Result<Job> {
 
 /// The path of a table from the root, with the sheet that it names.
 fn whole_table(table: &Path) -> anyhow::Result<PathBuf> {
-    let file = command_line::table_file::file_of(table);
+    let file = table_file::file_of(table);
     let mut path = whole(&file)?.into_os_string();
     let sheet = table.as_os_str().as_encoded_bytes();
     if let Some(sheet) = sheet.strip_prefix(file.as_os_str().as_encoded_bytes()) {
@@ -274,7 +273,7 @@ fn choices(arguments: &Arguments) -> DesignChoices {
 /// The folder of the results.
 fn folder(arguments: &Arguments) -> PathBuf {
     let own = || {
-        let file = command_line::table_file::file_of(&arguments.design);
+        let file = table_file::file_of(&arguments.design);
         PathBuf::from("out").join(file.file_stem().unwrap_or_default())
     };
     arguments.out.clone().unwrap_or_else(own)
