@@ -1,10 +1,10 @@
-"""Puts measured data sets of which something is known to the loop, and writes what it answers beside what is right.
+"""Runs the loop on measured data sets about which a fact is known, and compares its answers with this fact.
 
 Usage: python3 exam.py SEEDLOOP [SET ...]
 
-Runs the named sets, all of them where none is named, in out/exam/SET: finished runs are found again, so that a set may be
-stopped and taken up. What a set answers is kept with its date and command in docs/exam/SET.json, and docs/exam.md is made of all
-that is kept there, whatever was run now. `page` as the only SET makes the page alone.
+Runs the named sets (by default all) in out/exam/SET. Finished runs are reused, so a set can be interrupted and resumed.
+The answer of a set is kept with its date and command in docs/exam/SET.json. docs/exam.md is made from all these files.
+`page` as the only SET makes only the page.
 """
 
 import datetime
@@ -26,7 +26,7 @@ BEADS = "water-beads-runs"
 SETS = {
     "cotton": (
         "cotton seeds: ten bench values and the drum",
-        "that a seed is one body",
+        "each seed is one body",
         "whole-seed-damping",
         ["calibrate", "fixtures/cotton/study.toml"],
         None,
@@ -92,7 +92,7 @@ def run(program, name):
     finally:
         count_time(folder)
     if code not in (0, 1):
-        sys.exit(f"{name}: seedloop ended with {code}; `{' '.join(command(name))}` goes on where it was")
+        sys.exit(f"{name}: seedloop ended with {code}; `{' '.join(command(name))}` resumes it")
     result = json.loads((folder / "result.json").read_text())
     KEPT.mkdir(exist_ok=True)
     answer = answer_of(name, result)
@@ -216,10 +216,11 @@ def page():
     rows += [f"| {what} | | | not run: {why} | | | | |" for what, why in LEFT_OUT.items()]
     text = f"""# The exam
 
-Data that others measured, and what is known of them (`just exam`; [answers](exam)). A wrong name counts worse than `unknown`. Error: mean
-square over noise on values kept from the fit, without and with the effect. Time: processor minutes beyond runs shared with sets above.
+This page compares the answers of the diagnosis with known facts about published data (`just exam`; [answers](exam)). A wrong
+name is worse than `unknown`. Error: mean square over noise on values outside the fit, without and with the effect. Time:
+processor minutes, except runs shared with sets above.
 
-| set | kept from the file | right | answer | | error | time | date |
+| set | hidden from the study | right | answer | | error | time | date |
 |---|---|---|---|---|---|--:|---|
 {lines(rows)}
 
