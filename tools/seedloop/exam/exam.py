@@ -173,27 +173,6 @@ def kept_error(answer):
     return value(answer["errors_before"]) + after
 
 
-def with_interval(found):
-    """An amplitude with its 95 % interval; in records of version 0.1 with its standard error."""
-    if isinstance(found, list):
-        return f"{found[0]:.3g} +- {found[1]:.2g}"
-    low, high = found["interval95"]
-    if low >= high:
-        return f"{found['value']:.3g} (no amplitude passes at 95 %)"
-    return f"{found['value']:.3g} ({low:.3g} to {high:.3g})"
-
-
-def details(name, answer):
-    """The chance of the residual, and the amplitudes of the models behind an answer."""
-    if answer["verdict"] is None:
-        return f"- `{name}`: {answer['reason']}"
-    lines = [f"p {answer['p']:.2g}"] if answer["p"] is not None else []
-    for model in answer["models"]:
-        amplitude = ", ".join(f"{effect} {with_interval(found)}" for effect, found in model["estimates"].items())
-        lines.append(f"{amplitude}, error at the fit {model['errors']['used']['whitened_mse']:.1f}")
-    return f"- `{name}`: " + "; ".join(lines)
-
-
 def lines(texts):
     """One text a line."""
     return "\n".join(texts)
@@ -201,7 +180,7 @@ def lines(texts):
 
 def page():
     """The page of all that is kept."""
-    rows, notes = [], []
+    rows = []
     for name, (what, hidden, right, _, _) in SETS.items():
         file = KEPT / f"{name}.json"
         if not file.exists():
@@ -212,19 +191,16 @@ def page():
             f"| {what} | {hidden} | {right} | {words(answer)} | {mark(right, answer)} | {kept_error(answer)} | "
             f"{answer['cpu_s'] / 60.0:.1f} | {answer['date']} |"
         )
-        notes.append(details(name, answer))
     rows += [f"| {what} | | | not run: {why} | | | | |" for what, why in LEFT_OUT.items()]
     text = f"""# The exam
 
-This page compares the answers of the diagnosis with known facts about published data (`just exam`; [answers](exam)). A wrong
-name is worse than `unknown`. Error: mean square over noise on values outside the fit, without and with the effect. Time:
-processor minutes, except runs shared with sets above.
+This page compares the answers of the diagnosis with known facts about published data (`just exam`). [exam](exam)
+has the whole answers with their amplitudes. A wrong name is worse than `unknown`. Error: mean square over noise on values
+outside the fit, without and with the effect. Time: processor minutes, except runs shared with sets above.
 
 | set | hidden from the study | right | answer | | error | time | date |
 |---|---|---|---|---|---|--:|---|
 {lines(rows)}
-
-{lines(notes)}
 """
     PAGE.write_text(text)
 
