@@ -78,6 +78,8 @@ mod tests {
             condition: BTreeMap::from([("rpm".to_owned(), *rpm)]),
             parameters: None,
             used: *rpm != 45.0,
+            values: Vec::new(),
+            covariance: Vec::new(),
         };
         let effect = |name: &str| EffectProbe {
             name: name.into(),

@@ -4,8 +4,8 @@ use crate::budget::lists_of;
 use crate::correlated::correlation_of;
 use crate::{
     CalibrationProblem, Candidate, CandidateMeasurement, DeclaredParameter, DiagnosisStage, Error,
-    LoopSettings, Measurement, Model, Observed, ResidualPlan, Role, RunList, StudyCondition,
-    runs_needed, study_residual,
+    LoopSettings, Measurement, Model, ResidualPlan, Role, RunList, StudyCondition, runs_needed,
+    study_residual,
 };
 use campaign::{Campaign, RunRequest, Simulator};
 use std::collections::{BTreeMap, BTreeSet};
@@ -33,8 +33,8 @@ pub fn diagnose_at(
     if problem.effects.is_empty() {
         return Ok(left_out("no effect is to be searched"));
     }
-    let (plan, observed) = plan(problem, settings, at);
-    let (values, free) = (values_of_fit(&plan, &observed), problem.n_tuned());
+    let plan = plan(problem, settings, at);
+    let (values, free) = (values_of_fit(&plan), problem.n_tuned());
     if values <= free {
         return Ok(left_out(&format!(
             "{values} measurements of role fit and {free} parameters: what {free} parameters can always meet tests nothing; measure \
@@ -45,7 +45,7 @@ pub fn diagnose_at(
     let (certain, further) = lists_of(&plan);
     let least = length(&certain);
     campaign.expect([least, least + length(&further)], [0.0; 2]);
-    match study_residual(campaign, simulator, &plan, &observed) {
+    match study_residual(campaign, simulator, &plan) {
         Ok(study) => Ok(DiagnosisStage::Done(Box::new(study))),
         // What the other stages found stands without it.
         Err(error @ Error::Cell { .. }) => Ok(left_out(&error.to_string())),
@@ -54,9 +54,9 @@ pub fn diagnose_at(
 }
 
 /// Number of measured values that the fit uses.
-fn values_of_fit(plan: &ResidualPlan, observed: &Observed) -> usize {
+fn values_of_fit(plan: &ResidualPlan) -> usize {
     let used = (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used);
-    used.map(|c| observed.measured(c).len()).sum()
+    used.map(|c| plan.measured(c).len()).sum()
 }
 
 /// The lists of runs of a diagnosis: those that are certain if nothing fails, and further ones, at most. None where
@@ -65,8 +65,8 @@ pub(crate) fn lists_of_diagnosis(
     problem: &CalibrationProblem,
     settings: &LoopSettings,
 ) -> (Vec<RunList>, Vec<RunList>) {
-    let (plan, observed) = plan(problem, settings, &problem.start());
-    if problem.effects.is_empty() || values_of_fit(&plan, &observed) <= problem.n_tuned() {
+    let plan = plan(problem, settings, &problem.start());
+    if problem.effects.is_empty() || values_of_fit(&plan) <= problem.n_tuned() {
         return (Vec::new(), Vec::new());
     }
     lists_of(&plan)
@@ -127,7 +127,6 @@ pub fn most_runs_of_candidates(problem: &CalibrationProblem, settings: &LoopSett
     }
     let start = problem.start();
     plan(problem, settings, &start)
-        .0
         .requests_at_candidates()
         .len()
 }
@@ -138,7 +137,7 @@ pub fn most_runs_of_diagnosis(problem: &CalibrationProblem, settings: &LoopSetti
         return 0;
     }
     let start = problem.start();
-    runs_needed(&plan(problem, settings, &start).0)
+    runs_needed(&plan(problem, settings, &start))
 }
 
 /// The residual study of a problem about a point.
@@ -149,7 +148,7 @@ pub(crate) fn plan(
     problem: &CalibrationProblem,
     settings: &LoopSettings,
     at: &[f64],
-) -> (ResidualPlan, Observed) {
+) -> ResidualPlan {
     let judged = |m: &&Measurement| m.role != Role::Show;
     let mut observables: Vec<String> = problem
         .measurements
@@ -159,7 +158,7 @@ pub(crate) fn plan(
         .collect();
     observables.sort();
     observables.dedup();
-    let (mut conditions, mut values, mut covariance) = (Vec::new(), Vec::new(), Vec::new());
+    let mut conditions = Vec::new();
     for role in [Role::Fit, Role::Check] {
         for k in problem.models_of(role) {
             let all = problem.measurements.iter().enumerate();
@@ -170,14 +169,20 @@ pub(crate) fn plan(
                 let mut here = here.iter();
                 here.find(|(_, m)| name_in_plan(problem, m) == *name)
             };
-            let measurements: Vec<&Measurement> = here.iter().map(|(_, m)| *m).collect();
-            conditions.push(condition(problem, k, role, &measurements));
             let measured: Vec<_> = observables.iter().map(of).collect();
-            values.push(measured.iter().map(|m| m.map(|(_, m)| m.mean)).collect());
-            covariance.push(block(problem, &measured));
+            let names = here
+                .iter()
+                .map(|(_, m)| (name_in_plan(problem, m), m.observable.clone()));
+            conditions.push(StudyCondition {
+                observables: Some(names.collect()),
+                used: role == Role::Fit,
+                values: measured.iter().map(|m| m.map(|(_, m)| m.mean)).collect(),
+                covariance: block(problem, &measured),
+                ..condition(problem, &problem.models[k])
+            });
         }
     }
-    let plan = ResidualPlan {
+    ResidualPlan {
         id: problem.id.clone(),
         base: RunRequest::new("", settings.seed + 100_000 * STAGE),
         conditions,
@@ -191,8 +196,7 @@ pub(crate) fn plan(
             .iter()
             .map(|c| candidate(problem, c))
             .collect(),
-    };
-    (plan, Observed { values, covariance })
+    }
 }
 
 /// Covariance of the measured means of one condition, each with its number; 0 for what was not measured there.
@@ -250,11 +254,8 @@ fn candidate(problem: &CalibrationProblem, candidate: &Candidate) -> CandidateMe
     CandidateMeasurement {
         name: model.name.clone(),
         condition: StudyCondition {
-            model: Some(model.name.clone()),
-            condition: coordinates(model),
             observables: Some(names.map(|name| (in_plan(name), name.clone())).collect()),
-            parameters: Some(symbols(problem, model)),
-            used: false,
+            ..condition(problem, model)
         },
         standard_errors: standard_errors
             .iter()
@@ -270,25 +271,16 @@ fn symbols(problem: &CalibrationProblem, model: &Model) -> BTreeSet<String> {
     model.parameters.iter().map(symbol).collect()
 }
 
-/// One model with the measurements of a role as a condition.
-fn condition(
-    problem: &CalibrationProblem,
-    model: usize,
-    role: Role,
-    measurements: &[&Measurement],
-) -> StudyCondition {
-    let model = &problem.models[model];
+/// A model as a condition at which nothing is measured.
+fn condition(problem: &CalibrationProblem, model: &Model) -> StudyCondition {
     StudyCondition {
         model: Some(model.name.clone()),
         condition: coordinates(model),
-        observables: Some(
-            measurements
-                .iter()
-                .map(|m| (name_in_plan(problem, m), m.observable.clone()))
-                .collect::<BTreeMap<_, _>>(),
-        ),
+        observables: None,
         parameters: Some(symbols(problem, model)),
-        used: role == Role::Fit,
+        used: false,
+        values: Vec::new(),
+        covariance: Vec::new(),
     }
 }
 

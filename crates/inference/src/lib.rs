@@ -88,7 +88,6 @@ mod information;
 mod intervals;
 mod joint;
 mod joint_fit;
-mod laboratory;
 mod lack_of_fit;
 mod noisy_slopes;
 mod planned;
@@ -110,7 +109,6 @@ pub use budget::runs_needed;
 pub use calibrate::{calibrate, within_budget};
 pub use diagnosis_stage::{diagnose_at, most_runs_of_candidates, most_runs_of_diagnosis};
 pub use error::Error;
-pub use laboratory::Laboratory;
 pub use planned::{PlannedStage, RunList, planned, planned_diagnosis};
 pub use power::{PowerTable, power_of_design};
 pub use problem::{
@@ -118,7 +116,7 @@ pub use problem::{
     Model, Parameter, Prior, Role,
 };
 pub use residual_study::{
-    AddedEffect, CandidateMeasurement, DeclaredParameter, EffectProbe, ErrorPair, Observed,
+    AddedEffect, CandidateMeasurement, DeclaredParameter, EffectProbe, ErrorPair,
     OfferedMeasurement, RealErrors, ResidualPlan, ResidualStudy, StudyCondition, study_residual,
 };
 pub use result::{

@@ -66,7 +66,7 @@ pub fn power_of_design(
 /// The values that the fit uses, with what acts on them.
 fn design(problem: &CalibrationProblem, settings: &LoopSettings) -> PowerDesign {
     let start = problem.start();
-    let (plan, observed) = plan(problem, settings, &start);
+    let plan = plan(problem, settings, &start);
     let used: Vec<usize> = (0..plan.conditions.len())
         .filter(|&c| plan.conditions[c].used)
         .collect();
@@ -79,7 +79,7 @@ fn design(problem: &CalibrationProblem, settings: &LoopSettings) -> PowerDesign 
     };
     let (mut rows, mut simulated_variance) = (Vec::new(), Vec::new());
     for (at, &c) in used.iter().enumerate() {
-        for k in observed.measured(c) {
+        for k in plan.measured(c) {
             let mut all = problem.measurements.iter();
             let measurement = all.find(|m| {
                 Some(m.model) == model_of(c)

@@ -26,11 +26,9 @@ use campaign::{Campaign, RunRequest, Simulator};
 pub use candidates::{CandidateMeasurement, OfferedMeasurement};
 use fits::{BLOCKS_OF_FIT, FIRST_BLOCK_ANEW, FIRST_BLOCK_OF_NOISY, Fits, Looks, Visited};
 use linearisation::Linearisation;
-use plan::check;
-pub use plan::{DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition};
+pub use plan::{DeclaredParameter, EffectProbe, ResidualPlan, StudyCondition};
 use rivals::{Decided, after_and_rivals};
 use runs::At;
-pub(crate) use runs::value;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use worker::Worker;
@@ -63,8 +61,6 @@ pub struct ResidualStudy {
     /// Conditions that could not be run, with the reason; the plan and what was measured are without them.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub left_out_conditions: BTreeMap<String, String>,
-    /// What was measured.
-    pub observed: Observed,
     /// Degrees of freedom of the simulator's noise.
     pub noise_dof: f64,
     /// Standard deviation of one run, by observable, pooled over the conditions.
@@ -128,14 +124,13 @@ pub fn study_residual(
     campaign: &Campaign<'_>,
     simulator: &dyn Simulator,
     plan: &ResidualPlan,
-    observed: &Observed,
 ) -> Result<ResidualStudy, Error> {
-    check(plan, observed)?;
+    plan.check()?;
     let worker = Worker::new(campaign, simulator);
-    let (mut plan, mut observed) = (plan.clone(), observed.clone());
+    let mut plan = plan.clone();
     let mut left_out_conditions = BTreeMap::new();
     loop {
-        let error = match study_of_all(&worker, &plan, &observed) {
+        let error = match study_of_all(&worker, &plan) {
             Ok(mut study) => {
                 let warnings = &mut study.diagnosis.warnings;
                 warnings.extend(worker.left_out());
@@ -154,9 +149,7 @@ pub fn study_residual(
             } if !plan.conditions[*condition].used || plan.count(true) > 1 => {
                 left_out_conditions.insert(name.clone(), error.to_string());
                 plan.conditions.remove(*condition);
-                observed.values.remove(*condition);
-                observed.covariance.remove(*condition);
-                leave_out_unmeasured(&mut plan, &mut observed);
+                leave_out_unmeasured(&mut plan);
             }
             _ => return Err(error),
         }
@@ -164,18 +157,15 @@ pub fn study_residual(
 }
 
 /// Leaves out the observables that were measured at no condition: nothing would tell how their runs scatter.
-fn leave_out_unmeasured(plan: &mut ResidualPlan, observed: &mut Observed) {
-    let measured = |k: &usize| observed.values.iter().any(|row| row[*k].is_some());
+fn leave_out_unmeasured(plan: &mut ResidualPlan) {
+    let measured = |k: &usize| plan.conditions.iter().any(|c| c.values[*k].is_some());
     let kept: Vec<usize> = (0..plan.observables.len()).filter(measured).collect();
-    let names: Vec<String> = kept.iter().map(|&k| plan.observables[k].clone()).collect();
     let of_kept = |row: &Vec<f64>| kept.iter().map(|&k| row[k]).collect();
-    for row in &mut observed.values {
-        *row = kept.iter().map(|&k| row[k]).collect();
+    for c in &mut plan.conditions {
+        c.values = kept.iter().map(|&k| c.values[k]).collect();
+        c.covariance = kept.iter().map(|&k| of_kept(&c.covariance[k])).collect();
     }
-    for block in &mut observed.covariance {
-        *block = kept.iter().map(|&k| of_kept(&block[k])).collect();
-    }
-    plan.observables = names;
+    plan.observables = kept.iter().map(|&k| plan.observables[k].clone()).collect();
 }
 
 /// The lists of runs of a study that are certain if nothing fails: the start and the steps beside it, the first fit at the used
@@ -198,20 +188,12 @@ pub(crate) fn certain_lists(plan: &ResidualPlan) -> [Vec<RunRequest>; 3] {
 }
 
 /// The study of a plan whose conditions can all be run.
-fn study_of_all(
-    worker: &Worker<'_>,
-    plan: &ResidualPlan,
-    observed: &Observed,
-) -> Result<ResidualStudy, Error> {
+fn study_of_all(worker: &Worker<'_>, plan: &ResidualPlan) -> Result<ResidualStudy, Error> {
     let (linear, left_out) = Linearisation::run(worker, plan)?;
     let mut plan = plan.clone();
     plan.effects.retain(|e| !left_out.contains_key(&e.name));
     let plan = &plan;
-    let fits = Fits {
-        worker,
-        plan,
-        observed,
-    };
+    let fits = Fits { worker, plan };
     let (mut fit, visited) = fits.declared(&linear)?;
     // The kept conditions are run once, where the fit has ended.
     let kept = fits.run(&fit.setting, fit.block, At::Kept)?;
@@ -224,14 +206,14 @@ fn study_of_all(
         mut looks,
     } = looked_at(&fits, linear, &fit)?;
     // At the conditions of the fit an unknown effect may do as well; what the kept ones say is asked then.
-    let by_kept = !diagnosis.proposal.is_empty() && assemble::any_kept(plan, observed);
+    let by_kept = !diagnosis.proposal.is_empty() && assemble::any_kept(plan);
     let diagnosis = if by_kept {
         diagnosis.with_proposal_named()
     } else {
         diagnosis
     };
     let at_fit = &fit.means;
-    let errors_before = assemble::errors(plan, observed, &linear, at_fit)?;
+    let errors_before = assemble::errors(plan, &linear, at_fit)?;
     let Decided {
         mut diagnosis,
         added,
@@ -260,7 +242,6 @@ fn study_of_all(
         plan: plan.clone(),
         left_out,
         left_out_conditions: BTreeMap::new(),
-        observed: observed.clone(),
         noise_dof: linear.least_dof(),
         run_sd: names.zip(sds).collect(),
         fitted: declared.zip(fitted).collect(),
@@ -289,10 +270,10 @@ struct Looked {
 /// Diagnoses the residual at the fit; what the answer hangs on is measured with further runs first: slopes that are noise,
 /// slopes of the suspects, and amplitudes that no straight line tells.
 fn looked_at(fits: &Fits<'_>, mut linear: Linearisation, fit: &Visited) -> Result<Looked, Error> {
-    let (plan, observed) = (fits.plan, fits.observed);
+    let plan = fits.plan;
     let fitted = fit.setting.declared_values(plan);
     let diagnosed = |linear: &Linearisation| -> Result<(ProblemFile, Diagnosis), Error> {
-        let file = assemble::problem(plan, observed, linear, &fitted, &fit.means);
+        let file = assemble::problem(plan, linear, &fitted, &fit.means);
         let diagnosis = diagnose(&Problem::try_from(file.clone())?, &Options::new(plan.seed))?;
         Ok((file, diagnosis))
     };
@@ -348,13 +329,12 @@ fn checked(
     (before, added): (&ErrorPair, &[AddedEffect]),
     diagnosis: Diagnosis,
 ) -> Result<Diagnosis, Error> {
-    let (plan, observed) = (fits.plan, fits.observed);
+    let plan = fits.plan;
     let Some(before) = &before.kept else {
         return Ok(diagnosis);
     };
-    let on_kept = |values: &[Vec<f64>]| {
-        assemble::whitened(plan, observed, linear, &fit.means.n, (values, false))
-    };
+    let on_kept =
+        |values: &[Vec<f64>]| assemble::whitened(plan, linear, &fit.means.n, (values, false));
     let (without, _) = on_kept(&fit.means.values)?;
     let mut models = Vec::new();
     for model in added {
@@ -370,7 +350,7 @@ fn checked(
         }));
     }
     let unused = (0..plan.conditions.len()).filter(|&c| !plan.conditions[c].used);
-    let values = unused.map(|c| observed.measured(c).len()).sum();
+    let values = unused.map(|c| plan.measured(c).len()).sum();
     Ok(diagnosis.checked_by_runs(before.whitened_mse, &models, values))
 }
 
@@ -383,7 +363,7 @@ fn over_unknown(
     (file, added): (&ProblemFile, &[AddedEffect]),
     diagnosis: Diagnosis,
 ) -> Result<Diagnosis, Error> {
-    let (plan, observed) = (fits.plan, fits.observed);
+    let plan = fits.plan;
     let problem = Problem::try_from(file.clone())?;
     let of_best = added.iter().find_map(|model| {
         let name = model.effects.keys().next()?;
@@ -391,7 +371,7 @@ fn over_unknown(
     });
     let ln_factor = of_best.map(|(name, model)| {
         let means = (&fit.means, &model.simulated[..]);
-        let kept = assemble::kept(plan, observed, linear, means);
+        let kept = assemble::kept(plan, linear, means);
         ln_over_unknown(&problem, name, &kept)
     });
     Ok(diagnosis.against_unknown(ln_factor.transpose()?))

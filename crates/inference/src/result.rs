@@ -155,7 +155,9 @@ pub struct ModelSurfaces {
     pub keys: Vec<String>,
     /// Values by observable, in the order of the points.
     pub values: BTreeMap<String, Vec<f64>>,
-    /// Analysis of each observable; none where the runs are too few for it.
+    /// What the fresh runs at the estimate have added to the surface of each observable, in its unit.
+    pub shifts: BTreeMap<String, f64>,
+    /// Analysis of the surface of each observable, [shifted](Self::shifts); `None` if the runs are too few for it.
     pub fits: BTreeMap<String, Option<Fit>>,
 }
 

@@ -15,7 +15,6 @@ use crate::{
 };
 use input::quantity::significant;
 use nalgebra::{DMatrix, DVector};
-use response_surface::{Model, Observations};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A coordinate so near to 1 lies on the face of the box.
@@ -431,8 +430,8 @@ impl<'a> Search<'a> {
         near(inside, &surface.parameters, region)
     }
 
-    /// The surfaces as the result tells them: over the parameters that are tuned, from the runs with the inputs as they were stated and
-    /// the coarsest grains, carried to the real size.
+    /// The surfaces of the result, over the parameters that are tuned. Their points are the runs with the inputs as stated and the
+    /// coarsest grains, carried to the real size.
     pub(crate) fn told(&self, found: &Found) -> Result<Vec<ModelSurfaces>, Error> {
         let problem = self.runner.problem;
         let mut told = Vec::new();
@@ -447,7 +446,8 @@ impl<'a> Search<'a> {
                     .iter()
                     .all(|&j| s.at[j] == problem.parameters[j].start)
             };
-            let mut used = self.used(surface, &found.region);
+            let all = self.used(surface, &found.region);
+            let mut used = all.clone();
             used.retain(stated);
             used.retain(|s| s.factor == problem.coarsest_of(model));
             let used: Vec<Sample> = used.into_iter().map(|s| surface.for_real_size(s)).collect();
@@ -472,7 +472,10 @@ impl<'a> Search<'a> {
             told.push(ModelSurfaces {
                 model: problem.models[model].name.clone(),
                 design: surface_design(&symbols, self.runner.settings)?.name,
-                n_runs: used.len(),
+                n_runs: all.len(),
+                shifts: (0..surface.observables.len())
+                    .map(|k| (surface.observables[k].clone(), surface.shift(k)))
+                    .collect(),
                 left_out,
                 points: used.iter().map(|s| own(&s.at)).collect(),
                 keys: used.iter().map(|s| s.key.clone()).collect(),
@@ -484,10 +487,8 @@ impl<'a> Search<'a> {
                 fits: surface
                     .observables
                     .iter()
-                    .map(|name| {
-                        let fit = analysis(surface, problem, &used, &found.region, name);
-                        (name.clone(), fit)
-                    })
+                    .enumerate()
+                    .map(|(k, name)| (name.clone(), surface.analysis(problem, &all, k)))
                     .collect(),
                 symbols,
             });
@@ -616,41 +617,4 @@ pub(crate) fn acts(fit: &JointFit<'_>, j: usize, at: &[f64]) -> bool {
     let slope =
         |t: &crate::joint_fit::Target| fit.surfaces[t.surface].slope_in_errors(t.observable, j, at);
     fit.targets.iter().any(|t| slope(t).abs() > ACTS)
-}
-
-/// The full analysis of one observable; none where the runs do not allow it.
-fn analysis(
-    surface: &Surface,
-    problem: &CalibrationProblem,
-    samples: &[Sample],
-    region: &Region,
-    name: &str,
-) -> Option<response_surface::Fit> {
-    let factors = surface
-        .tuned()
-        .iter()
-        .map(|&j| {
-            let p = &problem.parameters[j];
-            let [low, high] = [region.low[j], region.high[j]];
-            experiment_design::Factor::new(&p.symbol, &p.name, &p.unit, low, high)
-        })
-        .collect::<Result<Vec<_>, _>>()
-        .ok()?;
-    let model = match surface.degree {
-        Degree::Quadratic => Model::quadratic(&factors),
-        _ => Model::linear(&factors),
-    };
-    let coded: Vec<Vec<f64>> = samples
-        .iter()
-        .map(|s| {
-            surface
-                .tuned()
-                .iter()
-                .map(|&j| region.coded(j, s.at[j]))
-                .collect()
-        })
-        .collect();
-    let values: Vec<f64> = samples.iter().map(|s| s.values[name]).collect();
-    let data = Observations::from_runs(&coded, &values).ok()?;
-    response_surface::fit(&factors, &model.ok()?, &data).ok()
 }

@@ -1,13 +1,15 @@
 //! Polynomial surfaces of all observables of one model, with what they know of their own error.
 
-use crate::Error;
 use crate::region::Region;
 use crate::samples::Sample;
-use nalgebra::{Cholesky, DMatrix, DVector};
+use crate::{CalibrationProblem, CoarseGraining, Error};
+use experiment_design::Factor;
+use nalgebra::{DMatrix, DVector};
+use response_surface::{Cell, Fit, Model, Observations, Polynomials, fit};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Ratio of the smallest to the largest eigenvalue of X'X below which the runs do not fix all terms.
-const SINGULAR: f64 = 1e-10;
+/// Least over greatest singular value of X, its columns scaled to unit length, below which the runs do not fix all terms.
+const SINGULAR: f64 = 1e-5;
 
 /// Degree of a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,10 +52,8 @@ pub(crate) struct Surface {
     region: Region,
     /// Its degree.
     pub(crate) degree: Degree,
-    /// Coefficients, (terms, observables).
-    coefficients: DMatrix<f64>,
-    /// (X'X)^-1.
-    inverse: DMatrix<f64>,
+    /// Its polynomials.
+    polynomials: Polynomials,
     /// What a cube of each tuned parameter adds to the coefficients of the terms, `(X'X)^-1 X'Z`, (terms, tuned); empty for a plane.
     aliases: DMatrix<f64>,
     /// Sums of products of the residuals of the observables.
@@ -81,7 +81,7 @@ impl Surface {
     /// no run varies it does not depend on. The size of the grains is a further coordinate, 0 at the real size and 1 at the coarsest: its
     /// own term, and the product with each tuned parameter where the runs fix these.
     pub(crate) fn fit(
-        (model, tuned, inputs): (usize, &[usize], &[usize]),
+        (number, tuned, inputs): (usize, &[usize], &[usize]),
         observables: &[String],
         region: &Region,
         samples: &[&Sample],
@@ -110,31 +110,38 @@ impl Surface {
             let crossed = coarsest.is_some() && degree != Degree::Constant;
             [Some((degree, crossed)), crossed.then_some((degree, false))]
         });
+        let symbols: Vec<String> = (0..points.first().map_or(0, Vec::len))
+            .map(|j| format!("x{j}"))
+            .collect();
+        let weights = vec![1.0; points.len()];
         for (degree, crossed) in allowed.flatten() {
-            let basis = (degree, curved, crossed);
-            let rows: Vec<Vec<f64>> = points.iter().map(|x| terms(basis, x)).collect();
-            let p = rows.first().map_or(1, Vec::len);
-            if rows.len() <= p {
+            let model = model_of(symbols.clone(), (degree, curved, crossed));
+            let p = model.terms().len();
+            if points.len() <= p {
                 continue;
             }
-            let x = DMatrix::from_fn(rows.len(), p, |i, t| rows[i][t]);
-            let Some(inverse) = inverse_of(&x.tr_mul(&x)) else {
+            let fitted = Polynomials::fit(&model, &points, &y, &weights).ok();
+            let Some(polynomials) = fitted.filter(|found| found.condition < SINGULAR.recip())
+            else {
                 continue;
             };
-            let coefficients = &inverse * x.tr_mul(&y);
             let cubes = if degree == Degree::Quadratic {
                 curved
             } else {
                 0
             };
             let z = DMatrix::from_fn(points.len(), cubes, |i, j| points[i][j].powi(3));
-            let aliases = &inverse * x.tr_mul(&z);
-            let residual = &y - &x * &coefficients;
-            let dof = (rows.len() - p) as f64;
+            let x = DMatrix::from_row_iterator(
+                points.len(),
+                p,
+                points.iter().flat_map(|x| model.row(x)),
+            );
+            let residual = &y - x * &polynomials.coefficients;
+            let dof = (points.len() - p) as f64;
             let products = residual.tr_mul(&residual);
             let (covariance, shrinkage) = shrunk(&products, dof);
             return Some(Self {
-                model,
+                model: number,
                 parameters,
                 curved,
                 coarsest: coarsest.filter(|_| degree != Degree::Constant),
@@ -142,9 +149,8 @@ impl Surface {
                 observables: observables.to_vec(),
                 region: region.clone(),
                 degree,
-                coefficients,
-                inverse,
-                aliases,
+                aliases: &polynomials.gain * z,
+                polynomials,
                 products,
                 covariance,
                 shrinkage,
@@ -166,11 +172,6 @@ impl Surface {
         self.observables.iter().position(|o| o == observable)
     }
 
-    /// Its terms.
-    fn basis(&self) -> Basis {
-        (self.degree, self.curved, self.crossed)
-    }
-
     /// Coordinates of the parameters of the model at a point of all parameters, and of the size of the grains if it has a trend.
     fn coded(&self, at: &[f64], factor: f64) -> Vec<f64> {
         let each = self.parameters.iter();
@@ -186,24 +187,32 @@ impl Surface {
 
     /// The same for grains that are so many times coarser.
     pub(crate) fn value_of(&self, k: usize, at: &[f64], factor: f64) -> f64 {
-        let row = terms(self.basis(), &self.coded(at, factor));
-        let polynomial: f64 = row
-            .iter()
-            .zip(self.coefficients.column(k).iter())
-            .map(|(x, b)| x * b)
-            .sum();
-        polynomial + self.anchor.as_ref().map_or(0.0, |a| a.shift[k])
+        let polynomial = self.polynomials.value(k, &self.coded(at, factor));
+        polynomial + self.shift(k)
+    }
+
+    /// What fresh runs at the estimate have added to the polynomial of an observable.
+    pub(crate) fn shift(&self, k: usize) -> f64 {
+        self.anchor.as_ref().map_or(0.0, |anchor| anchor.shift[k])
+    }
+
+    /// Derivatives of the terms along a coordinate, at a point.
+    fn slope_of_terms(&self, coded: &[f64], place: usize) -> DVector<f64> {
+        DVector::from_vec(self.polynomials.model.row_slopes(coded, place))
+    }
+
+    /// The terms at a point of all parameters, for grains so many times coarser than the real ones.
+    fn terms_at(&self, at: &[f64], factor: f64) -> DVector<f64> {
+        DVector::from_vec(self.polynomials.model.row(&self.coded(at, factor)))
     }
 
     /// d observable / d parameter, for the parameters of the model in their order, per unit of each.
     pub(crate) fn slopes(&self, k: usize, at: &[f64]) -> Vec<f64> {
         let coded = self.coded(at, 1.0);
-        let column = self.coefficients.column(k);
+        let column = self.polynomials.coefficients.column(k);
         let each = self.parameters.iter().enumerate();
         each.map(|(place, &j)| {
-            let row = slope_of_terms(self.basis(), &coded, place);
-            let per_half: f64 = row.iter().zip(column.iter()).map(|(x, b)| x * b).sum();
-            per_half / self.region.half(j)
+            self.slope_of_terms(&coded, place).dot(&column) / self.region.half(j)
         })
         .collect()
     }
@@ -217,11 +226,12 @@ impl Surface {
     pub(crate) fn slope_covariance(&self, at: &[f64]) -> DMatrix<f64> {
         let coded = self.coded(at, 1.0);
         let k = self.parameters.len();
-        let rows = (0..k).map(|place| slope_of_terms(self.basis(), &coded, place));
-        let rows: Vec<_> = rows.map(DVector::from_vec).collect();
+        let rows: Vec<_> = (0..k)
+            .map(|place| self.slope_of_terms(&coded, place))
+            .collect();
         let half = |place: usize| self.region.half(self.parameters[place]);
         DMatrix::from_fn(k, k, |a, b| {
-            (&self.inverse * &rows[a]).dot(&rows[b]) / (half(a) * half(b))
+            self.polynomials.covariance(&rows[a], &rows[b]) / (half(a) * half(b))
         })
     }
 
@@ -237,21 +247,25 @@ impl Surface {
     /// the alias matrix `[Myers2016, chapter 9]`.
     pub(crate) fn hidden_slopes(&self, k: usize, at: &[f64]) -> Vec<f64> {
         let coded = self.coded(at, 1.0);
-        let coefficient = self.coefficients.column(k);
-        let n = self.parameters.len();
-        let mut variances = vec![0.0; n];
+        let coefficient = self.polynomials.coefficients.column(k);
+        let terms = self.polynomials.model.terms();
+        let place = |j: usize, power: u8| {
+            let is_power = |(i, own): (usize, &u8)| *own == if i == j { power } else { 0 };
+            terms
+                .iter()
+                .position(|term| term.powers().iter().enumerate().all(is_power))
+        };
+        let mut variances = vec![0.0; self.parameters.len()];
         for (j, alias) in self.aliases.column_iter().enumerate() {
-            // Behind 1, each x and its products with the size come those of two x, those of lower coordinates first.
-            let crossed = if self.crossed { self.curved } else { 0 };
-            let before = (0..j).map(|i| self.curved - i).sum::<usize>();
-            let square = 1 + coded.len() + crossed + before;
-            let (b1, b2) = (coefficient[1 + j], coefficient[square]);
-            let noise = self.inverse[(square, square)] * self.covariance[(k, k)];
+            let Some((line, square)) = place(j, 1).zip(place(j, 2)) else {
+                continue;
+            };
+            let (b1, b2) = (coefficient[line], coefficient[square]);
+            let noise = self.polynomials.inverse[(square, square)] * self.covariance[(k, k)];
             let seen = (b2 * b2 - noise).max(0.0);
             let ratio = if b2.abs() < b1.abs() { b2 / b1 } else { 1.0 };
-            let row = DVector::from_vec(slope_of_terms(self.basis(), &coded, j));
-            let slope =
-                (3.0 * coded[j].powi(2) - row.dot(&alias)) / self.region.half(self.parameters[j]);
+            let imitated = self.slope_of_terms(&coded, j).dot(&alias);
+            let slope = (3.0 * coded[j].powi(2) - imitated) / self.region.half(self.parameters[j]);
             variances[j] = seen * (ratio * slope).powi(2);
         }
         variances
@@ -282,10 +296,9 @@ impl Surface {
     /// run; none if no run tells.
     pub(crate) fn trend(&self, k: usize, at: &[f64]) -> Option<(f64, f64)> {
         let one = self.coarsest?;
-        let row = slope_of_terms(self.basis(), &self.coded(at, 1.0), self.parameters.len());
-        let row = DVector::from_vec(row);
-        let slope = row.dot(&self.coefficients.column(k)) / one;
-        Some((slope, quadratic_form(&self.inverse, &row) / (one * one)))
+        let row = self.slope_of_terms(&self.coded(at, 1.0), self.parameters.len());
+        let slope = row.dot(&self.polynomials.coefficients.column(k)) / one;
+        Some((slope, self.polynomials.covariance(&row, &row) / (one * one)))
     }
 
     /// Whether a trend that is straight misses the runs behind the surface: by how much a term in the square of the size would
@@ -300,25 +313,25 @@ impl Surface {
     pub(crate) fn bend(&self, k: usize, used: &[&Sample], at: &[f64]) -> Option<(f64, f64)> {
         let one = self.coarsest?;
         let n = used.len();
-        let rows: Vec<Vec<f64>> = used
+        let rows: Vec<_> = used
             .iter()
-            .map(|s| terms(self.basis(), &self.coded(&s.at, s.factor)))
+            .map(|s| self.terms_at(&s.at, s.factor).transpose())
             .collect();
-        let x = DMatrix::from_fn(n, self.inverse.nrows(), |i, t| rows[i][t]);
+        let x = DMatrix::from_rows(&rows);
         let w = DVector::from_fn(n, |i, _| ((used[i].factor - 1.0) / one).powi(2));
         let name = &self.observables[k];
         let y = DVector::from_fn(n, |i, _| used[i].values[name]);
-        let e = y - &x * self.coefficients.column(k);
-        let followed = &self.inverse * x.tr_mul(&w);
+        let e = y - &x * self.polynomials.coefficients.column(k);
+        let followed = &self.polynomials.inverse * x.tr_mul(&w);
         let u = &w - &x * &followed;
-        let dof = n as f64 - self.inverse.nrows() as f64 - 1.0;
-        if u.norm_squared() <= SINGULAR * w.norm_squared() || dof <= 0.0 {
+        let dof = n as f64 - x.ncols() as f64 - 1.0;
+        if u.norm_squared() <= SINGULAR * SINGULAR * w.norm_squared() || dof <= 0.0 {
             return None;
         }
         let c = u.dot(&e) / u.norm_squared();
         let of_bend = c * c * u.norm_squared();
         let left = (e.norm_squared() - of_bend) / dof;
-        let row = DVector::from_vec(terms(self.basis(), &self.coded(at, 1.0)));
+        let row = self.terms_at(at, 1.0);
         // Runs without any scatter leave no doubt.
         let p = probability::f_upper_tail(of_bend / left, 1.0, dof).unwrap_or(0.0);
         Some((-c * row.dot(&followed), p))
@@ -335,10 +348,13 @@ impl Surface {
 
     /// The same for grains that are so many times coarser than the real ones.
     pub(crate) fn leverage_of(&self, at: &[f64], factor: f64) -> f64 {
-        let row = DVector::from_vec(terms(self.basis(), &self.coded(at, factor)));
+        let row = self.terms_at(at, factor);
         match &self.anchor {
-            None => quadratic_form(&self.inverse, &row),
-            Some(anchor) => quadratic_form(&self.inverse, &(row - &anchor.terms)) + 1.0 / anchor.n,
+            None => self.polynomials.covariance(&row, &row),
+            Some(anchor) => {
+                let away = row - &anchor.terms;
+                self.polynomials.covariance(&away, &away) + 1.0 / anchor.n
+            }
         }
     }
 
@@ -357,10 +373,8 @@ impl Surface {
         let shift = names
             .map(|(k, name)| mean_over(&|s| s.values[name] - shifted.value_of(k, &s.at, s.factor)))
             .collect();
-        let rows = fresh
-            .iter()
-            .map(|s| terms(self.basis(), &self.coded(&s.at, s.factor)));
-        let sum = rows.map(DVector::from_vec).reduce(|sum, row| sum + row);
+        let rows = fresh.iter().map(|s| self.terms_at(&s.at, s.factor));
+        let sum = rows.reduce(|sum, row| sum + row);
         shifted.anchor = sum.map(|sum| Anchor {
             terms: sum / n,
             shift,
@@ -395,6 +409,46 @@ impl Surface {
     /// Whether the scatter of runs is in the covariance already.
     pub(crate) fn knows_scatter_of(&self, group: &[&Sample]) -> bool {
         group.iter().all(|s| self.scatter_of.contains(&s.key))
+    }
+
+    /// The analysis of an observable over the runs behind this surface: the same polynomial, raised as fresh runs have shifted it. Inputs
+    /// are held as they were stated, and the grains at the real size. None if the analysis is undefined.
+    pub(crate) fn analysis(
+        &self,
+        problem: &CalibrationProblem,
+        used: &[&Sample],
+        k: usize,
+    ) -> Option<Fit> {
+        let of_parameter = |&j: &usize| {
+            let p = &problem.parameters[j];
+            let [low, high] = [self.region.low[j], self.region.high[j]];
+            Factor::new(&p.symbol, &p.name, &p.unit, low, high)
+        };
+        // Its coded values are those of the surface: 0 at the real size, 1 at the coarsest.
+        let of_size = |one: f64| Factor::new(CoarseGraining::SYMBOL, "", "1", 1.0 - one, 1.0 + one);
+        let factors = self.parameters.iter().map(of_parameter);
+        let factors: Vec<Factor> = factors
+            .chain(self.coarsest.map(of_size))
+            .collect::<Result<_, _>>()
+            .ok()?;
+        let symbols = factors.iter().map(|f| f.symbol().to_owned()).collect();
+        let model = model_of(symbols, (self.degree, self.curved, self.crossed));
+        let run =
+            |s: &&Sample| Cell::single(self.coded(&s.at, s.factor), s.values[&self.observables[k]]);
+        let data = Observations::from_cells(used.iter().map(run).collect()).ok()?;
+        let mut found = fit(&factors, &model, &data).ok()?;
+        let start = problem.start();
+        let stated = self
+            .coded(&start, 1.0)
+            .into_iter()
+            .enumerate()
+            .skip(self.curved);
+        let stated: Vec<(usize, f64)> = stated.collect();
+        if !stated.is_empty() {
+            found = found.held(&stated).ok()?;
+            found.box_extremes = found.extremes().ok();
+        }
+        Some(found.raised(self.shift(k)))
     }
 
     /// The same with the scatter of further runs of the model pooled into that of a run; runs that it knows count once.
@@ -465,60 +519,26 @@ fn shrunk(products: &DMatrix<f64>, degrees_of_freedom: f64) -> (DMatrix<f64>, f6
     (covariance, share)
 }
 
-/// Terms of a polynomial: its degree, how many coordinates are curved, and whether the last one, the size of the grains, is multiplied
-/// by each of these.
-type Basis = (Degree, usize, bool);
-
-/// Terms of a polynomial at a coded point: 1, each x, the products of the size, then each product of two of the first `curved`, squares
-/// included.
-fn terms((degree, curved, crossed): Basis, x: &[f64]) -> Vec<f64> {
-    let mut row = vec![1.0];
+/// The terms of a surface: 1, each x, the product of the last, the size of the grains, with each of the first `curved` if it is
+/// `crossed`, and the squares and products of these.
+fn model_of(symbols: Vec<String>, (degree, curved, crossed): (Degree, usize, bool)) -> Model {
+    let k = symbols.len();
+    let product = |places: &[usize]| {
+        let mut powers = vec![0; k];
+        places.iter().for_each(|&j| powers[j] += 1);
+        powers
+    };
+    let mut terms = vec![product(&[])];
     if degree != Degree::Constant {
-        row.extend(x);
-    }
-    if let (true, Some(size)) = (crossed, x.last()) {
-        row.extend(x[..curved].iter().map(|a| a * size));
-    }
-    if degree == Degree::Quadratic {
-        let x = &x[..curved];
-        for (i, a) in x.iter().enumerate() {
-            row.extend(x[i..].iter().map(|b| a * b));
-        }
-    }
-    row
-}
-
-/// Derivatives of the terms along coordinate `place`.
-fn slope_of_terms((degree, curved, crossed): Basis, x: &[f64], place: usize) -> Vec<f64> {
-    let is = |i: usize| if i == place { 1.0 } else { 0.0 };
-    let mut row = vec![0.0];
-    if degree != Degree::Constant {
-        row.extend((0..x.len()).map(is));
+        terms.extend((0..k).map(|j| product(&[j])));
     }
     if crossed {
-        let last = x.len() - 1;
-        row.extend((0..curved).map(|i| is(i) * x[last] + is(last) * x[i]));
+        terms.extend((0..curved).map(|j| product(&[j, k - 1])));
     }
     if degree == Degree::Quadratic {
-        for i in 0..curved {
-            row.extend((i..curved).map(|j| is(i) * x[j] + is(j) * x[i]));
-        }
+        terms.extend((0..curved).flat_map(|i| (i..curved).map(move |j| product(&[i, j]))));
     }
-    row
-}
-
-/// The inverse of a symmetric matrix; none where it is singular to rounding.
-fn inverse_of(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let eigenvalues = matrix.symmetric_eigenvalues();
-    if eigenvalues.min() <= SINGULAR * eigenvalues.max() {
-        return None;
-    }
-    Cholesky::new(matrix.clone()).map(|root| root.inverse())
-}
-
-/// x' A x.
-fn quadratic_form(matrix: &DMatrix<f64>, x: &DVector<f64>) -> f64 {
-    (matrix * x).dot(x)
+    Model::of_powers(symbols, terms)
 }
 
 /// Runs of one regime, and those of others with the reason why they stay out.

@@ -6,6 +6,7 @@ mod information;
 mod lack_of_fit;
 pub(crate) mod least_squares;
 mod matrix;
+pub(crate) mod polynomials;
 pub(crate) mod refine;
 mod replicates;
 mod terms;
@@ -29,6 +30,7 @@ pub use warnings::Warning;
 use experiment_design::Factor;
 use serde::{Deserialize, Serialize};
 
+pub(crate) use crate::fit::least_squares::condition;
 use crate::fit::least_squares::{LeastSquares, least_squares};
 use crate::fit::refine::refine;
 use crate::surface::natural::natural_terms;
@@ -441,21 +443,6 @@ impl Fit {
             .map(|(factor, &u)| factor.coded(u))
             .collect()
     }
-}
-
-/// Condition number of the scaled columns; none where it is not finite.
-pub(crate) fn condition(solved: &LeastSquares) -> Option<f64> {
-    let p = solved.triangle.len();
-    let triangle =
-        nalgebra::DMatrix::from_fn(
-            p,
-            p,
-            |i, j| {
-                if i <= j { solved.triangle[j][i] } else { 0.0 }
-            },
-        );
-    let values = triangle.singular_values();
-    ratio(values.max(), values.min())
 }
 
 /// Refuses a model for other factors.

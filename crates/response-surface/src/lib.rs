@@ -45,6 +45,7 @@ pub use effects::pareto::{Pareto, pareto};
 pub use effects::saturated::{Contrasts, HalfNormalPoint, Lenth, Saturated, contrasts, saturated};
 pub use effects::screening::{FactorSignificance, Screening, screen};
 pub use error::Error;
+pub use fit::polynomials::Polynomials;
 pub use fit::{ErrorSource, ErrorVariance, Fit, Weighting, fit, fit_weighted};
 pub use gaussian_process::{GaussianProcess, ProcessPrediction, gaussian_process};
 pub use goals::confirm::{Confirmation, confirm};

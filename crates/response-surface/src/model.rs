@@ -55,6 +55,17 @@ impl Term {
         let pairs = self.powers.iter().zip(coded);
         pairs.map(|(&power, &x)| x.powi(i32::from(power))).product()
     }
+
+    /// Its derivative along one factor, by its place.
+    fn slope(&self, coded: &[f64], place: usize) -> f64 {
+        let pairs = self.powers.iter().zip(coded).enumerate();
+        let factor = |(j, (&power, &x)): (usize, (&u8, &f64))| match (j == place, power) {
+            (false, _) => x.powi(i32::from(power)),
+            (true, 0) => 0.0,
+            (true, _) => f64::from(power) * x.powi(i32::from(power) - 1),
+        };
+        pairs.map(factor).product()
+    }
 }
 
 /// Terms in hierarchical order: intercept, main effects, two-factor interactions, squares, then by
@@ -143,6 +154,12 @@ impl Model {
     /// [`Error::Design`] for repeated symbols.
     pub fn quadratic(factors: &[Factor]) -> Result<Self, Error> {
         Self::parse("quadratic", factors)
+    }
+
+    /// A model of products of powers of the factors; `powers` has those of each term, (terms, factors).
+    pub fn of_powers(symbols: Vec<String>, powers: Vec<Vec<u8>>) -> Self {
+        let terms = powers.into_iter().map(Term::from_powers).collect();
+        Self::from_terms(symbols, terms)
     }
 
     /// Reads a formula over given symbols.
@@ -313,6 +330,12 @@ impl Model {
     /// Values of all terms at a coded point: one row of the model matrix.
     pub fn row(&self, coded: &[f64]) -> Vec<f64> {
         self.terms.iter().map(|term| term.value(coded)).collect()
+    }
+
+    /// Derivatives of all terms along one factor, by its place, at a coded point.
+    pub fn row_slopes(&self, coded: &[f64], place: usize) -> Vec<f64> {
+        let slope = |term: &Term| term.slope(coded, place);
+        self.terms.iter().map(slope).collect()
     }
 
     /// The same row in long arithmetic.

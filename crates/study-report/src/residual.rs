@@ -41,7 +41,7 @@ pub(crate) fn residual_se(study: &ResidualStudy, c: usize, k: usize) -> f64 {
         .get(&study.plan.observables[k])
         .copied()
         .unwrap_or(0.0);
-    (study.observed.covariance[c][k][k] + run_sd * run_sd / runs).sqrt()
+    (study.plan.conditions[c].covariance[k][k] + run_sd * run_sd / runs).sqrt()
 }
 
 /// Errors of real runs with one model.

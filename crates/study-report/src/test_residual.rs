@@ -3,7 +3,7 @@
 use campaign::run_store::{Observation, Store};
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
 use inference::{
-    EffectProbe, Observed, ResidualPlan, ResidualStudy, StudyCondition, study_residual,
+    EffectProbe, ResidualPlan, ResidualStudy, StudyCondition, study_residual,
 };
 use probability::random_stream::Stream;
 use std::collections::BTreeMap;
@@ -54,6 +54,8 @@ fn study() -> ResidualStudy {
         condition: BTreeMap::from([("rpm".to_owned(), *rpm)]),
         parameters: None,
         used: *rpm < 30.0,
+        values: vec![Some(30.0 + rpm)],
+        covariance: vec![vec![0.01]],
     };
     let plan = ResidualPlan {
         id: "twins".into(),
@@ -66,12 +68,8 @@ fn study() -> ResidualStudy {
         seed: 1,
         candidates: Vec::new(),
     };
-    let observed = Observed {
-        values: SPEEDS.iter().map(|rpm| vec![Some(30.0 + rpm)]).collect(),
-        covariance: vec![vec![vec![0.01]]; SPEEDS.len()],
-    };
     let folder = tempfile::tempdir().unwrap();
     let store = Store::open(folder.path()).unwrap();
     let campaign = Campaign::new(&store, 1, &Silent);
-    study_residual(&campaign, &Twins, &plan, &observed).unwrap()
+    study_residual(&campaign, &Twins, &plan).unwrap()
 }

@@ -64,6 +64,7 @@ pub(crate) fn surfaces() -> Vec<ModelSurfaces> {
         points: natural(rows),
         keys: (0..rows.len()).map(|k| format!("{model}-{k}")).collect(),
         values: BTreeMap::new(),
+        shifts: BTreeMap::new(),
         fits: BTreeMap::new(),
     };
     let mut of_drum = surface("drum-15", &["F", "E"], &drum);

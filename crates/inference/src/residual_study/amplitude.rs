@@ -361,7 +361,7 @@ impl Fits<'_> {
         effect: usize,
         points: &[Visited],
     ) -> Result<Option<Curve>, Error> {
-        let (plan, observed) = (self.plan, self.observed);
+        let plan = self.plan;
         let others = self.others(model, effect);
         let end = refit::values_at(plan, &others, &model.end.setting);
         let bounds = |e: usize| {
@@ -389,7 +389,7 @@ impl Fits<'_> {
             };
             let at = refit::values_at(plan, &others, &point.setting);
             let (matrix, target) =
-                refit::linear_problem(plan, observed, &model.slopes, &others, (&at, &means))?;
+                refit::linear_problem(plan, &model.slopes, &others, (&at, &means))?;
             let moved =
                 DVector::from_iterator(end.len(), end.iter().zip(&at).map(|(to, from)| to - from));
             nodes.push(Node {
@@ -405,18 +405,12 @@ impl Fits<'_> {
         if nodes.len() < 2 {
             return Ok(None);
         }
-        let dof = assemble::covariance_dof(plan, observed, linear, &model.end.means);
+        let dof = assemble::covariance_dof(plan, linear, &model.end.means);
         let mut curve = Curve {
             direction: vec![0.0; nodes.len()],
             bend: 0.0,
             own_noise: linear.own_noise(effect),
-            of_runs: assemble::whitened_runs(
-                plan,
-                observed,
-                linear,
-                &model.end.means,
-                slopes.nrows(),
-            )?,
+            of_runs: assemble::whitened_runs(plan, linear, &model.end.means, slopes.nrows())?,
             quantile: t_two_sided_quantile(0.05, dof).unwrap_or(f64::INFINITY),
             nodes,
             slopes,

@@ -108,8 +108,8 @@ impl Fits<'_> {
 
     /// Whether runs at a point leave more than noise.
     fn leaves_structure(&self, linear: &Linearisation, at: &Visited) -> Result<bool, Error> {
-        let misfit = assemble::misfit(self.plan, self.observed, linear, &at.means)?;
-        let values = assemble::used_values(self.plan, self.observed);
+        let misfit = assemble::misfit(self.plan, linear, &at.means)?;
+        let values = assemble::used_values(self.plan);
         Ok(misfit > assemble::likely_mean_square(values))
     }
 
@@ -160,8 +160,8 @@ impl Fits<'_> {
         (points, begin): (&mut Vec<Visited>, &Setting),
         (blocks, warnings): (&mut impl Iterator<Item = u64>, &mut Vec<String>),
     ) -> Result<Option<Visited>, Error> {
-        let (plan, observed) = (self.plan, self.observed);
-        let cost = |v: &Visited| assemble::cost(plan, observed, linear, &v.setting, &v.means);
+        let plan = self.plan;
+        let cost = |v: &Visited| assemble::cost(plan, linear, &v.setting, &v.means);
         let mut best: Option<(f64, Visited)> = None;
         for point in points.iter() {
             better(&mut best, cost(point)?, point);
@@ -291,9 +291,9 @@ impl Fits<'_> {
         let name = plan.effects[effect].name.clone();
         let about = (&from.setting, &from.means);
         let names = std::slice::from_ref(&name);
-        let mut setting = refit::with_effects(&plan, self.observed, linear, names, about)?;
+        let mut setting = refit::with_effects(&plan, linear, names, about)?;
         let promised: Means = linear.means_at(&plan, effect, about, &setting);
-        let cost = assemble::cost(&plan, self.observed, noise, &setting, &promised)?;
+        let cost = assemble::cost(&plan, noise, &setting, &promised)?;
         if *is_beyond {
             // What bends goes on bending: a point too far lies on the other side, one too near does not.
             let end = from.setting.amplitude(&name);

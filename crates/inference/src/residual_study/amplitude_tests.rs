@@ -137,7 +137,7 @@ fn campaigns(response: Response, [low, high]: [f64; 2], seeds: std::ops::Range<u
         let data = measured(&plan, seed, |rpm, fill| {
             response.values([rpm, fill], parameters, hidden)
         });
-        count.add(&studied(&response, &plan, &data), amplitude);
+        count.add(&studied(&response, &data), amplitude);
     }
     count
 }

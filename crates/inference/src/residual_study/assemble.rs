@@ -2,7 +2,7 @@
 
 use super::linearisation::Linearisation;
 use super::runs::{Means, Setting};
-use super::{DeclaredParameter, ErrorPair, Observed, RealErrors, ResidualPlan};
+use super::{DeclaredParameter, ErrorPair, RealErrors, ResidualPlan};
 use crate::Error;
 use crate::diagnosis::{
     Condition, CovarianceInput, KeptCondition, Level, PriorPrecision, ProblemFile,
@@ -46,14 +46,13 @@ fn of_runs(
 /// effect does to the conditions kept apart is not predicted here: real runs tell it.
 pub(super) fn problem(
     plan: &ResidualPlan,
-    observed: &Observed,
     linear: &Linearisation,
     fitted: &[f64],
     at_fit: &Means,
 ) -> ProblemFile {
     let used = || (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used);
     let residual = used().flat_map(|c| {
-        let pairs = observed.values[c].iter().zip(&at_fit.values[c]);
+        let pairs = plan.conditions[c].values.iter().zip(&at_fit.values[c]);
         pairs.map(|(y, f)| y.map(|y| y - f)).collect::<Vec<_>>()
     });
     let of_run = |variance: f64, at: &dyn Fn(usize) -> bool| {
@@ -72,10 +71,12 @@ pub(super) fn problem(
         observables: plan.observables.clone(),
         residual_obs_minus_sim: residual.collect(),
         cov_measurement: Some(CovarianceInput::Blocks(
-            used().map(|c| observed.covariance[c].clone()).collect(),
+            used()
+                .map(|c| plan.conditions[c].covariance.clone())
+                .collect(),
         )),
         cov_simulator: Some(of_runs(plan, linear, &|c| 1.0 / at_fit.n[c] as f64)),
-        covariance_dof: Some(covariance_dof(plan, observed, linear, at_fit)),
+        covariance_dof: Some(covariance_dof(plan, linear, at_fit)),
         declared: plan.declared.iter().map(|d| d.name.clone()).collect(),
         sensitivities_declared: linear.declared.concat(),
         cov_sensitivities_declared: slope_errors
@@ -137,31 +138,34 @@ fn coordinates(plan: &ResidualPlan, condition: usize) -> Condition {
 }
 
 /// Whether anything was measured at a condition kept from the fit.
-pub(super) fn any_kept(plan: &ResidualPlan, observed: &Observed) -> bool {
+pub(super) fn any_kept(plan: &ResidualPlan) -> bool {
     let mut all = plan.conditions.iter().enumerate();
-    all.any(|(c, condition)| !condition.used && !observed.measured(c).is_empty())
+    all.any(|(c, condition)| !condition.used && !plan.measured(c).is_empty())
 }
 
 /// The conditions kept from the fit, by the runs without effects and by the means with an effect.
 pub(super) fn kept(
     plan: &ResidualPlan,
-    observed: &Observed,
     linear: &Linearisation,
     (without, with): (&Means, &[Vec<f64>]),
 ) -> Vec<KeptCondition> {
-    let is_kept = |c: &usize| !plan.conditions[*c].used && !observed.measured(*c).is_empty();
+    let is_kept = |c: &usize| !plan.conditions[*c].used && !plan.measured(*c).is_empty();
     let each = (0..plan.conditions.len()).filter(is_kept);
     let of = |c: usize| {
         let left = |simulated: &[f64]| {
-            let pairs = observed.values[c].iter().zip(simulated);
+            let pairs = plan.conditions[c].values.iter().zip(simulated);
             pairs.filter_map(|(y, f)| y.map(|y| y - f)).collect()
         };
         let share = 1.0 / without.n[c] as f64;
-        let total = added(&observed.covariance[c], &linear.run_covariance[c], share);
+        let total = added(
+            &plan.conditions[c].covariance,
+            &linear.run_covariance[c],
+            share,
+        );
         KeptCondition {
             condition: coordinates(plan, c),
-            observables: observed.measured(c),
-            covariance: of_measured(observed, &total, c),
+            observables: plan.measured(c),
+            covariance: of_measured(plan, &total, c),
             without: left(&without.values[c]),
             with: left(&with[c]),
         }
@@ -177,17 +181,17 @@ fn offsets(plan: &ResidualPlan, fitted: &[f64]) -> Vec<f64> {
 
 /// Root of the covariance of the measured observables of a condition and of so many times that of a run.
 pub(super) fn root(
-    observed: &Observed,
+    plan: &ResidualPlan,
     linear: &Linearisation,
     runs: f64,
     condition: usize,
 ) -> Result<DMatrix<f64>, Error> {
     let total = added(
-        &observed.covariance[condition],
+        &plan.conditions[condition].covariance,
         &linear.run_covariance[condition],
         runs,
     );
-    let root = Cholesky::new(of_measured(observed, &total, condition)).ok_or(Error::Search {
+    let root = Cholesky::new(of_measured(plan, &total, condition)).ok_or(Error::Search {
         what: "the root of the covariance",
         reason: "it is not positive definite: are two observables the same?".into(),
     })?;
@@ -199,17 +203,12 @@ pub(super) fn root(
 /// # Formula
 ///
 /// Of a sum of a known variance a and an estimated one b with d degrees of freedom: `d ((a + b) / b)²` `[Satterthwaite1946]`.
-pub(super) fn covariance_dof(
-    plan: &ResidualPlan,
-    observed: &Observed,
-    linear: &Linearisation,
-    at_fit: &Means,
-) -> f64 {
+pub(super) fn covariance_dof(plan: &ResidualPlan, linear: &Linearisation, at_fit: &Means) -> f64 {
     let used = (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used);
     let each = used.flat_map(|c| {
-        let measured = observed.measured(c).into_iter();
+        let measured = plan.measured(c).into_iter();
         measured.map(move |k| {
-            let known = observed.covariance[c][k][k];
+            let known = plan.conditions[c].covariance[k][k];
             let of_runs = linear.run_covariance[c][k][k] / at_fit.n[c] as f64;
             linear.noise_dof[k] * ((known + of_runs) / of_runs).powi(2)
         })
@@ -220,28 +219,28 @@ pub(super) fn covariance_dof(
 /// Root of so many times the covariance of a run, over the observables that were measured at a condition; with that of
 /// the measurements where the runs are too few to tell it.
 pub(super) fn root_of_runs(
-    observed: &Observed,
+    plan: &ResidualPlan,
     linear: &Linearisation,
     runs: f64,
     condition: usize,
 ) -> Result<DMatrix<f64>, Error> {
     let covariance = scaled(&linear.run_covariance[condition], runs);
-    let known = linear.least_dof() >= (RUNS_TO_KNOW * observed.measured(condition).len()) as f64;
-    match Cholesky::new(of_measured(observed, &covariance, condition)).filter(|_| known) {
+    let known = linear.least_dof() >= (RUNS_TO_KNOW * plan.measured(condition).len()) as f64;
+    match Cholesky::new(of_measured(plan, &covariance, condition)).filter(|_| known) {
         Some(of_runs) => Ok(of_runs.l()),
-        None => root(observed, linear, runs, condition),
+        None => root(plan, linear, runs, condition),
     }
 }
 
 /// Trace of the covariance of a run at a condition, whitened by [`root`] for so many times that of a run.
 pub(super) fn share_of_run(
-    observed: &Observed,
+    plan: &ResidualPlan,
     linear: &Linearisation,
     runs: f64,
     condition: usize,
 ) -> Result<f64, Error> {
-    let root = root(observed, linear, runs, condition)?;
-    let of_run = of_measured(observed, &linear.run_covariance[condition], condition);
+    let root = root(plan, linear, runs, condition)?;
+    let of_run = of_measured(plan, &linear.run_covariance[condition], condition);
     let half = root.solve_lower_triangular(&of_run);
     let whole = half.and_then(|half| root.solve_lower_triangular(&half.transpose()));
     Ok(whole.map_or(0.0, |whole| whole.trace()))
@@ -250,7 +249,6 @@ pub(super) fn share_of_run(
 /// Covariance of the means of the runs at the used conditions, whitened by [`root`], in so many rows: 0 behind these.
 pub(super) fn whitened_runs(
     plan: &ResidualPlan,
-    observed: &Observed,
     linear: &Linearisation,
     means: &Means,
     rows: usize,
@@ -259,8 +257,8 @@ pub(super) fn whitened_runs(
     let mut first = 0;
     for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used) {
         let share = 1.0 / means.n[c] as f64;
-        let root = root(observed, linear, share, c)?;
-        let of_run = of_measured(observed, &linear.run_covariance[c], c) * share;
+        let root = root(plan, linear, share, c)?;
+        let of_run = of_measured(plan, &linear.run_covariance[c], c) * share;
         let half = root.solve_lower_triangular(&of_run);
         let both = half.and_then(|half| root.solve_lower_triangular(&half.transpose()));
         let n = of_run.nrows();
@@ -276,8 +274,8 @@ pub(super) fn whitened_runs(
 const RUNS_TO_KNOW: usize = 3;
 
 /// The rows and columns of a covariance whose observables were measured at a condition.
-fn of_measured(observed: &Observed, covariance: &[Vec<f64>], condition: usize) -> DMatrix<f64> {
-    let measured = observed.measured(condition);
+fn of_measured(plan: &ResidualPlan, covariance: &[Vec<f64>], condition: usize) -> DMatrix<f64> {
+    let measured = plan.measured(condition);
     let n = measured.len();
     DMatrix::from_fn(n, n, |a, b| covariance[measured[a]][measured[b]])
 }
@@ -291,31 +289,29 @@ pub(super) fn likely_mean_square(values: usize) -> f64 {
 /// Whitened mean square of observed minus simulated on the used conditions.
 pub(super) fn misfit(
     plan: &ResidualPlan,
-    observed: &Observed,
     linear: &Linearisation,
     simulated: &Means,
 ) -> Result<f64, Error> {
-    let used = part(plan, observed, linear, simulated, true)?;
+    let used = part(plan, linear, simulated, true)?;
     used.map(|e| e.whitened_mse).ok_or(NOTHING_USED)
 }
 
 /// Sum of squares of the difference of two means on the used conditions, in standard deviations of their noise.
 pub(super) fn change(
     plan: &ResidualPlan,
-    observed: &Observed,
     linear: &Linearisation,
     from: &Means,
     to: &Means,
 ) -> Result<f64, Error> {
     let mut sum = 0.0;
     for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used) {
-        let measured = observed.measured(c);
+        let measured = plan.measured(c);
         let moved = measured
             .iter()
             .map(|&k| to.values[c][k] - from.values[c][k]);
         let moved = DVector::from_iterator(measured.len(), moved);
         let runs = 1.0 / from.n[c] as f64 + 1.0 / to.n[c] as f64;
-        let white = root_of_runs(observed, linear, runs, c)?.solve_lower_triangular(&moved);
+        let white = root_of_runs(plan, linear, runs, c)?.solve_lower_triangular(&moved);
         sum += white.map_or(0.0, |white| white.norm_squared());
     }
     Ok(sum)
@@ -325,7 +321,6 @@ pub(super) fn change(
 /// runs have in it.
 pub(super) fn whitened(
     plan: &ResidualPlan,
-    observed: &Observed,
     linear: &Linearisation,
     runs: &[usize],
     (simulated, used): (&[Vec<f64>], bool),
@@ -333,12 +328,12 @@ pub(super) fn whitened(
     let (mut residual, mut noise) = (Vec::new(), 0.0);
     for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used == used) {
         let share = 1.0 / runs[c] as f64;
-        let off = |k: usize| observed.values[c][k].map(|y| y - simulated[c][k]);
-        let values: Vec<f64> = observed.measured(c).into_iter().filter_map(off).collect();
+        let off = |k: usize| plan.conditions[c].values[k].map(|y| y - simulated[c][k]);
+        let values: Vec<f64> = plan.measured(c).into_iter().filter_map(off).collect();
         let values = DVector::from_vec(values);
-        let white = root(observed, linear, share, c)?.solve_lower_triangular(&values);
+        let white = root(plan, linear, share, c)?.solve_lower_triangular(&values);
         residual.extend(white.iter().flat_map(|white| white.iter().copied()));
-        noise += share * share_of_run(observed, linear, share, c)?;
+        noise += share * share_of_run(plan, linear, share, c)?;
     }
     Ok((residual, noise))
 }
@@ -355,23 +350,22 @@ pub(super) fn from_priors<'a>(
 }
 
 /// Number of values at the used conditions.
-pub(super) fn used_values(plan: &ResidualPlan, observed: &Observed) -> usize {
+pub(super) fn used_values(plan: &ResidualPlan) -> usize {
     let used = (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used);
-    used.map(|c| observed.measured(c).len()).sum()
+    used.map(|c| plan.measured(c).len()).sum()
 }
 
 /// What a fit makes small: sum of squares of the whitened residual on the used conditions, and of the distances of the
 /// parameters from their bench means in standard errors.
 pub(super) fn cost(
     plan: &ResidualPlan,
-    observed: &Observed,
     linear: &Linearisation,
     setting: &Setting,
     simulated: &Means,
 ) -> Result<f64, Error> {
-    let rows = used_values(plan, observed);
+    let rows = used_values(plan);
     let priors = from_priors(plan, setting);
-    let misfit = misfit(plan, observed, linear, simulated)?;
+    let misfit = misfit(plan, linear, simulated)?;
     Ok(misfit * rows as f64 + priors.map(|z| z * z).sum::<f64>())
 }
 
@@ -385,11 +379,10 @@ const NOTHING_USED: Error = Error::Count {
 /// Errors of simulated means against the observations.
 pub(super) fn errors(
     plan: &ResidualPlan,
-    observed: &Observed,
     linear: &Linearisation,
     simulated: &Means,
 ) -> Result<ErrorPair, Error> {
-    let of = |used: bool| part(plan, observed, linear, simulated, used);
+    let of = |used: bool| part(plan, linear, simulated, used);
     Ok(ErrorPair {
         used: of(true)?.ok_or(NOTHING_USED)?,
         kept: of(false)?,
@@ -399,12 +392,12 @@ pub(super) fn errors(
 /// Errors on the used or on the kept conditions; none where nothing was measured there.
 fn part(
     plan: &ResidualPlan,
-    observed: &Observed,
     linear: &Linearisation,
     simulated: &Means,
     used: bool,
 ) -> Result<Option<RealErrors>, Error> {
-    let residual = |c: usize, k: usize| observed.values[c][k].map(|y| y - simulated.values[c][k]);
+    let residual =
+        |c: usize, k: usize| plan.conditions[c].values[k].map(|y| y - simulated.values[c][k]);
     let conditions: Vec<usize> = (0..plan.conditions.len())
         .filter(|&c| plan.conditions[c].used == used)
         .collect();
@@ -422,9 +415,9 @@ fn part(
     let (mut whitened, mut rows) = (0.0, 0);
     for &c in &conditions {
         let values = (0..plan.observables.len()).filter_map(|k| residual(c, k));
-        let vector = DVector::from_iterator(observed.measured(c).len(), values);
+        let vector = DVector::from_iterator(plan.measured(c).len(), values);
         let white =
-            root(observed, linear, 1.0 / simulated.n[c] as f64, c)?.solve_lower_triangular(&vector);
+            root(plan, linear, 1.0 / simulated.n[c] as f64, c)?.solve_lower_triangular(&vector);
         whitened += white.map_or(f64::NAN, |w| w.norm_squared());
         rows += vector.len();
     }

@@ -1,6 +1,6 @@
 //! Which candidate tells tied effects apart, and the study with it.
 
-use super::tests::{MEASURED_SD, Toy, observed, plan_of_twins, truth};
+use super::tests::{MEASURED_SD, Toy, observed, plan_of_twins, studied, truth};
 use super::{CandidateMeasurement, ResidualPlan, ResidualStudy, StudyCondition, study_residual};
 use crate::diagnosis::{Purpose, Verdict};
 use campaign::run_store::Store;
@@ -39,6 +39,8 @@ fn candidate(rpm: f64, minutes: f64) -> CandidateMeasurement {
             condition: BTreeMap::from([("rpm".to_owned(), rpm), ("fill".to_owned(), 0.3)]),
             parameters: None,
             used: false,
+            values: Vec::new(),
+            covariance: Vec::new(),
         },
         standard_errors: ["angle", "shape"]
             .map(|name| (name.to_owned(), MEASURED_SD))
@@ -63,7 +65,7 @@ fn study(plan: &ResidualPlan) -> (ResidualStudy, usize) {
     let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
     let data = observed(plan, [2.0, 0.0], 1);
-    let study = study_residual(&campaign, &Twins, plan, &data).unwrap();
+    let study = study_residual(&campaign, &Twins, &data).unwrap();
     (study, store.keys().unwrap().len())
 }
 
@@ -106,11 +108,9 @@ fn the_first_candidate_resolves_the_tie() {
     let fast = &tied.plan.candidates[2];
     let [angle, shape] = truth(40.0, 0.3, 0.7, 0.4, [2.0, 0.0]);
     let values = BTreeMap::from([("angle".to_owned(), angle), ("shape".to_owned(), shape)]);
-    let (plan, data) = tied.with_measured(fast, &values);
+    let plan = tied.with_measured(fast, &values);
     assert_eq!(plan.candidates.len(), 2);
-    let store = Store::in_memory();
-    let campaign = Campaign::new(&store, 2, &Silent);
-    let study = study_residual(&campaign, &Twins, &plan, &data).unwrap();
+    let study = studied(&Twins, &plan);
     assert_eq!(
         study.diagnosis.effects,
         ["bend"],
@@ -141,11 +141,12 @@ fn a_candidate_of_another_scene_widens_the_table() {
     )]));
     tied.plan.candidates.push(heap.clone());
     let values = BTreeMap::from([("heap: angle".to_owned(), 31.0)]);
-    let (plan, data) = tied.with_measured(&heap, &values);
+    let plan = tied.with_measured(&heap, &values);
+    let last = plan.conditions.last().unwrap();
     assert_eq!(plan.observables, ["angle", "shape", "heap: angle"]);
-    assert_eq!(data.values.last().unwrap(), &[None, None, Some(31.0)]);
-    assert_eq!(data.values[0].len(), 3);
-    assert_eq!(data.covariance.last().unwrap()[2], [0.0, 0.0, 0.25]);
+    assert_eq!(last.values, [None, None, Some(31.0)]);
+    assert_eq!(plan.conditions[0].values.len(), 3);
+    assert_eq!(last.covariance[2], [0.0, 0.0, 0.25]);
     let own = plan.conditions[0].observables.as_ref().unwrap();
     assert!(own.contains_key("shape") && !own.contains_key("heap: angle"));
 }

@@ -4,7 +4,7 @@ use super::fits::{Fits, Visited};
 use super::linearisation::Linearisation;
 use super::runs::{self, At, Setting};
 use super::scatter::Scatter;
-use super::{EffectProbe, Observed, ResidualPlan, ResidualStudy, StudyCondition};
+use super::{EffectProbe, ResidualPlan, ResidualStudy, StudyCondition};
 use crate::Error;
 use crate::diagnosis::{Diagnosis, ExperimentFile, Level, QuestionedEffect, SensitivityRuns};
 use campaign::RunRequest;
@@ -266,60 +266,48 @@ fn experiment(
 }
 
 impl ResidualStudy {
-    /// The plan and the values of the next study: those of this one and a candidate that was measured meanwhile, with the
-    /// mean of each of its observables by the name in the plan. What was run is found again.
+    /// The plan of the next study: that of this one and a candidate that was measured meanwhile, with the mean of each of its
+    /// observables by the name in the plan. What was run is found again.
     pub fn with_measured(
         &self,
         candidate: &CandidateMeasurement,
         values: &BTreeMap<String, f64>,
-    ) -> (ResidualPlan, Observed) {
-        let (mut plan, mut observed) = (self.plan.clone(), self.observed.clone());
+    ) -> ResidualPlan {
+        let mut plan = self.plan.clone();
         plan.candidates.retain(|c| c.name != candidate.name);
         let known = plan.observables.clone();
         let new = candidate.standard_errors.keys();
-        plan.observables
-            .extend(new.filter(|name| !known.contains(name)).cloned());
+        let new = new.filter(|name| !known.contains(name)).cloned();
+        plan.observables.extend(new);
         let n = plan.observables.len();
-        if n > known.len() {
-            // What reads all observables goes on reading those that there were.
-            let own: BTreeMap<String, String> = known
-                .iter()
-                .map(|name| (name.clone(), name.clone()))
-                .collect();
-            for condition in &mut plan.conditions {
-                condition.observables.get_or_insert_with(|| own.clone());
+        let same = |name: &String| (name.clone(), name.clone());
+        for c in &mut plan.conditions {
+            // A condition that reads all observables goes on with those that there were.
+            if n > known.len() {
+                let own = || known.iter().map(same).collect();
+                c.observables.get_or_insert_with(own);
             }
-        }
-        for row in &mut observed.values {
-            row.resize(n, None);
-        }
-        for block in &mut observed.covariance {
-            for line in block.iter_mut() {
-                line.resize(n, 0.0);
-            }
-            block.resize(n, vec![0.0; n]);
+            c.values.resize(n, None);
+            c.covariance.iter_mut().for_each(|line| line.resize(n, 0.0));
+            c.covariance.resize(n, vec![0.0; n]);
         }
         let names = plan.observables.iter();
-        let measured = |name: &String| {
-            let offered = candidate.standard_errors.contains_key(name);
-            values.get(name).copied().filter(|_| offered)
-        };
-        observed.values.push(names.map(measured).collect());
-        let mut block = vec![vec![0.0; n]; n];
-        for (k, name) in plan.observables.iter().enumerate() {
-            let se = candidate.standard_errors.get(name).copied();
-            block[k][k] = se.map_or(0.0, |se| se * se);
+        let error = |name: &String| candidate.standard_errors.get(name).copied();
+        let mut covariance = vec![vec![0.0; n]; n];
+        for (k, name) in names.clone().enumerate() {
+            covariance[k][k] = error(name).map_or(0.0, |se| se * se);
         }
-        observed.covariance.push(block);
-        let names = candidate.condition.observables.clone().unwrap_or_else(|| {
-            let own = candidate.standard_errors.keys();
-            own.map(|name| (name.clone(), name.clone())).collect()
-        });
-        plan.conditions.push(StudyCondition {
+        let measured = |name: &String| error(name).and(values.get(name).copied());
+        let own = candidate.condition.observables.clone();
+        let own = own.unwrap_or_else(|| candidate.standard_errors.keys().map(same).collect());
+        let condition = StudyCondition {
             used: true,
-            observables: Some(names),
+            observables: Some(own),
+            values: names.map(measured).collect(),
+            covariance,
             ..candidate.condition.clone()
-        });
-        (plan, observed)
+        };
+        plan.conditions.push(condition);
+        plan
     }
 }

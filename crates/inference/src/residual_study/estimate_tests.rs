@@ -61,8 +61,7 @@ fn braked_plan(seed: u64) -> ResidualPlan {
 #[test]
 fn the_interval_of_an_amplitude_holds_the_truth_in_many_campaigns() {
     let off = |seed: u64| {
-        let plan = braked_plan(seed);
-        let data = measured(&plan, seed, |rpm, _| braked(rpm, 0.35, DRAG));
+        let plan = measured(&braked_plan(seed), seed, |rpm, _| braked(rpm, 0.35, DRAG));
         let store = Store::in_memory();
         let campaign = Campaign::new(&store, 1, &Silent);
         let worker = Worker::new(&campaign, &Braked);
@@ -70,7 +69,6 @@ fn the_interval_of_an_amplitude_holds_the_truth_in_many_campaigns() {
         let fits = Fits {
             worker: &worker,
             plan: &plan,
-            observed: &data,
         };
         let (fit, visited) = fits.declared(&linear).unwrap();
         let linear = linear.with_points(&plan, &visited);

@@ -1,7 +1,7 @@
 use super::runs::{At, Setting, means};
-use super::tests::{Toy, observed, plan};
+use super::tests::{Toy, observed, plan, studied};
 use super::worker::Worker;
-use super::{Observed, ResidualPlan, ResidualStudy, StudyCondition, study_residual};
+use super::{ResidualPlan, ResidualStudy, StudyCondition, study_residual};
 use crate::Error;
 use crate::diagnosis::Verdict;
 use campaign::run_store::{Observation, Store};
@@ -43,7 +43,7 @@ fn study(
     let begun = Mutex::default();
     let simulator = Diverging { rule, begun };
     let data = observed(plan, [2.0, 0.0], 1);
-    let study = study_residual(&campaign, &simulator, plan, &data);
+    let study = study_residual(&campaign, &simulator, &data);
     (study, simulator.begun.into_inner().unwrap())
 }
 
@@ -151,11 +151,9 @@ impl Simulator for Shapeless {
 /// reason, and the study names the planted effect.
 #[test]
 fn a_run_without_an_observable_costs_itself() {
-    let store = Store::in_memory();
-    let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(1);
     let data = observed(&plan, [2.0, 0.0], 1);
-    let study = study_residual(&campaign, &Shapeless, &plan, &data).unwrap();
+    let study = studied(&Shapeless, &data);
     assert_eq!(study.diagnosis.effects, ["bend"]);
     assert!(
         study.left_out["tilt"].contains("'shape'"),
@@ -183,7 +181,6 @@ fn a_condition_that_cannot_be_run_is_left_out_of_the_study() {
     let study = study.unwrap();
     assert_eq!(study.diagnosis.effects, ["bend"]);
     assert_eq!(study.plan.conditions.len(), plan.conditions.len() - 2);
-    assert_eq!(study.observed.values.len(), plan.conditions.len() - 2);
     let names: Vec<&String> = study.left_out_conditions.keys().collect();
     assert_eq!(names, ["toy fill=0.2 rpm=20", "toy fill=0.2 rpm=5"]);
     let warnings = study.diagnosis.warnings.join("; ");
@@ -207,51 +204,41 @@ fn a_study_without_any_condition_is_an_error() {
 
 /// The study of the toy with "bend" hidden and a further observable, "bench", that is measured at one condition alone, in a scene of
 /// its own.
-fn with_bench() -> (ResidualPlan, Observed) {
-    let mut plan = plan(1);
-    let mut data = observed(&plan, [2.0, 0.0], 1);
+fn with_bench() -> ResidualPlan {
+    let mut plan = observed(&plan(1), [2.0, 0.0], 1);
     plan.observables.push("bench".into());
-    for values in &mut data.values {
-        values.push(None);
-    }
-    for block in &mut data.covariance {
-        for row in &mut *block {
-            row.push(0.0);
-        }
-        block.push(vec![0.0; 3]);
-    }
     let own = BTreeMap::from(["angle", "shape"].map(|name| (name.to_owned(), name.to_owned())));
-    for condition in &mut plan.conditions {
-        condition.observables = Some(own.clone());
+    let zeros = vec![vec![0.0; 3]; 3];
+    for c in &mut plan.conditions {
+        c.observables = Some(own.clone());
+        c.values.push(None);
+        c.covariance.iter_mut().for_each(|row| row.push(0.0));
+        c.covariance.push(zeros[0].clone());
     }
+    let mut covariance = zeros;
+    covariance[2][2] = 0.01;
     plan.conditions.push(StudyCondition {
         model: Some("bench".into()),
         condition: BTreeMap::from([("rpm".to_owned(), 10.0), ("fill".to_owned(), 0.3)]),
         observables: Some(BTreeMap::from([("bench".to_owned(), "angle".to_owned())])),
         parameters: None,
         used: true,
+        values: vec![None, None, Some(1.0)],
+        covariance,
     });
-    data.values.push(vec![None, None, Some(1.0)]);
-    data.covariance.push(vec![
-        vec![0.0, 0.0, 0.0],
-        vec![0.0, 0.0, 0.0],
-        vec![0.0, 0.0, 0.01],
-    ]);
-    (plan, data)
+    plan
 }
 
 /// All runs of "bench" fail: it is left out with its observable, and the planted effect is found by the others. Left behind without a
 /// run, the observable would have no degrees of freedom.
 #[test]
 fn a_condition_that_always_fails_takes_its_own_observable_with_it() {
-    let (plan, data) = with_bench();
-    let store = Store::in_memory();
-    let campaign = Campaign::new(&store, 2, &Silent);
+    let plan = with_bench();
     let simulator = Diverging {
         rule: |r: &RunRequest| r.model == "bench",
         begun: Mutex::default(),
     };
-    let study = study_residual(&campaign, &simulator, &plan, &data).unwrap();
+    let study = studied(&simulator, &plan);
     assert_eq!(
         study.diagnosis.verdict,
         Verdict::Named,
@@ -292,14 +279,12 @@ fn a_bench_test_that_repeats_itself_limits_no_test() {
             Ok(RunOutcome::default().with_observable("angle", angle))
         }
     }
-    let (mut plan, data) = with_bench();
+    let mut plan = with_bench();
     plan.replicates = 2;
     for effect in &mut plan.effects {
         effect.absent.insert("bench".into(), "it has none".into());
     }
-    let store = Store::in_memory();
-    let campaign = Campaign::new(&store, 2, &Silent);
-    let study = study_residual(&campaign, &Rounding, &plan, &data).unwrap();
+    let study = studied(&Rounding, &plan);
     let told = study.diagnosis.summary();
     assert_eq!(study.diagnosis.verdict, Verdict::Named, "{told}");
     assert_eq!(study.diagnosis.effects, ["bend"]);

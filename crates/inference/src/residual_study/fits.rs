@@ -3,7 +3,7 @@
 use super::linearisation::Linearisation;
 use super::runs::{self, At, Means, Setting};
 use super::worker::Worker;
-use super::{AddedEffect, EffectProbe, Observed, ResidualPlan, assemble, refit};
+use super::{AddedEffect, EffectProbe, ResidualPlan, assemble, refit};
 use crate::Error;
 use crate::diagnosis::{CandidateResult, Diagnosis, Unseen};
 use std::collections::{BTreeMap, BTreeSet};
@@ -58,7 +58,6 @@ fn run_or_told<T>(
 pub(super) struct Fits<'a> {
     pub(super) worker: &'a Worker<'a>,
     pub(super) plan: &'a ResidualPlan,
-    pub(super) observed: &'a Observed,
 }
 
 /// Effects that were looked at anew.
@@ -141,7 +140,7 @@ impl Fits<'_> {
         fit: &Visited,
         diagnosis: &Diagnosis,
     ) -> Result<Vec<(usize, Setting)>, Error> {
-        let (plan, observed) = (self.plan, self.observed);
+        let plan = self.plan;
         let mut suspects = Vec::new();
         for (j, effect) in plan.effects.iter().enumerate() {
             let candidate = diagnosis.candidates.get(&effect.name);
@@ -158,8 +157,7 @@ impl Fits<'_> {
             let mut amplitude = amplitude;
             if !linear.shares_noise(j) {
                 let about = (&setting, &fit.means);
-                setting =
-                    refit::with_effects(plan, observed, linear, std::slice::from_ref(name), about)?;
+                setting = refit::with_effects(plan, linear, std::slice::from_ref(name), about)?;
                 if setting.effects[name] != 0.0 {
                     amplitude = setting.effects[name];
                 }
@@ -224,8 +222,7 @@ impl Fits<'_> {
             let name = &plan.effects[effect].name;
             match means {
                 Ok(means) => {
-                    let change =
-                        assemble::change(plan, self.observed, &linear, &fit.means, &means)?;
+                    let change = assemble::change(plan, &linear, &fit.means, &means)?;
                     let look = Visited {
                         setting,
                         means,
@@ -354,7 +351,7 @@ impl Fits<'_> {
             let means = model.end.means.clone().with_kept(kept);
             added.push(AddedEffect {
                 estimates: self.amplitudes(linear, fit, model)?,
-                errors: assemble::errors(self.plan, self.observed, linear, &means)?,
+                errors: assemble::errors(self.plan, linear, &means)?,
                 effects: model.end.setting.effects.clone(),
                 fitted: model.end.setting.parameters.clone(),
                 fitted_se: model.asked.fitted_se.clone(),
@@ -411,8 +408,8 @@ impl Fits<'_> {
             }
         }
         let at = (&end.setting, &end.means);
-        let errors = refit::standard_errors(plan, self.observed, &local, effects, at)?;
-        let setting = refit::with_effects(plan, self.observed, &local, effects, at)?;
+        let errors = refit::standard_errors(plan, &local, effects, at)?;
+        let setting = refit::with_effects(plan, &local, effects, at)?;
         let parameters = plan.declared.iter().zip(&errors);
         let fitted_se = parameters.filter_map(|(d, error)| Some((d.name.clone(), (*error)?)));
         let asked = Asked {
@@ -429,8 +426,7 @@ impl Fits<'_> {
         end: Visited,
         asked: &Setting,
     ) -> Result<Visited, Error> {
-        let cost =
-            |v: &Visited| assemble::cost(self.plan, self.observed, linear, &v.setting, &v.means);
+        let cost = |v: &Visited| assemble::cost(self.plan, linear, &v.setting, &v.means);
         if *asked == end.setting {
             return Ok(end);
         }
@@ -462,8 +458,8 @@ impl Fits<'_> {
         best: Option<Visited>,
         blocks: [u64; ROUNDS],
     ) -> Result<(Visited, Vec<Visited>), Error> {
-        let (plan, observed) = (self.plan, self.observed);
-        let cost = |v: &Visited| assemble::cost(plan, observed, noise, &v.setting, &v.means);
+        let plan = self.plan;
+        let cost = |v: &Visited| assemble::cost(plan, noise, &v.setting, &v.means);
         let mut linear = noise.clone();
         let mut about = (start.clone(), means.clone());
         // A point that was run for another purpose does not end the search before a fit about it was run.
@@ -471,21 +467,19 @@ impl Fits<'_> {
         let mut all = Vec::new();
         for block in blocks {
             if let (Some(best), true) = (&best, at_end) {
-                let misfit = assemble::misfit(plan, observed, noise, &best.means)?;
-                if misfit <= assemble::likely_mean_square(assemble::used_values(plan, observed)) {
+                let misfit = assemble::misfit(plan, noise, &best.means)?;
+                if misfit <= assemble::likely_mean_square(assemble::used_values(plan)) {
                     break;
                 }
             }
-            let setting =
-                refit::with_effects(plan, observed, &linear, effects, (&about.0, &about.1))?;
+            let setting = refit::with_effects(plan, &linear, effects, (&about.0, &about.1))?;
             let means = match self.run(&setting, block, At::Used) {
                 // A correction that cannot be run ends the search where it is.
                 Err(error) if best.is_some() && failed_run(&error).is_some() => break,
                 means => means?,
             };
             let from = (&about.0, &about.1);
-            let corrected =
-                linear.contradicted(plan, observed, effects, from, (&setting, &means))?;
+            let corrected = linear.contradicted(plan, effects, from, (&setting, &means))?;
             let visited = Visited {
                 setting,
                 means,

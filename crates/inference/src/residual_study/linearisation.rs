@@ -5,7 +5,7 @@ use super::runs::{At, Means, Row, Setting, differ, numbers, readable, requests, 
 use super::scatter::Scatter;
 use super::slopes::{ConditionSlopes, Points, SlopeError, Slopes};
 use super::worker::Worker;
-use super::{DeclaredParameter, Observed, ResidualPlan, StudyCondition, assemble};
+use super::{DeclaredParameter, ResidualPlan, StudyCondition, assemble};
 use crate::Error;
 use crate::diagnosis::CovarianceMatrix;
 use campaign::RunRequest;
@@ -264,7 +264,6 @@ impl Linearisation {
     pub(super) fn contradicted(
         &self,
         plan: &ResidualPlan,
-        observed: &Observed,
         effects: &[String],
         (from, at_from): (&Setting, &Means),
         (to, at_to): (&Setting, &Means),
@@ -296,11 +295,11 @@ impl Linearisation {
                 let linear = by_parameters.sum::<f64>() + taken.iter().map(effect).sum::<f64>();
                 at_to.values[c][k] - at_from.values[c][k] - linear
             };
-            let measured = observed.measured(c);
+            let measured = plan.measured(c);
             let values = DVector::from_iterator(measured.len(), measured.iter().map(|&k| off(k)));
             let of_means = 1.0 / at_from.n[c] as f64 + 1.0 / at_to.n[c] as f64;
             let runs = of_means + size * 2.0 / self.nominal.n[c] as f64;
-            let root = assemble::root_of_runs(observed, self, runs, c)?;
+            let root = assemble::root_of_runs(plan, self, runs, c)?;
             let white = root.solve_lower_triangular(&values);
             contradiction += white.map_or(0.0, |white| white.norm_squared());
             rows += measured.len();

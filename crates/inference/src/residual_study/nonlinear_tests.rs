@@ -52,7 +52,7 @@ fn an_effect_that_saturates_is_judged_at_its_own_fit() {
         let plan = plan(seed);
         let truth = |rpm, fill| saturating(rpm, fill, 0.7, 0.4, [0.5, 0.0]);
         let data = measured(&plan, seed, truth);
-        let study = studied(&SATURATING, &plan, &data);
+        let study = studied(&SATURATING, &data);
         let diagnosis = &study.diagnosis;
         assert_eq!(
             diagnosis.verdict,
@@ -92,7 +92,7 @@ fn a_bent_effect_is_searched_where_the_data_pull_it() {
         let plan = plan(seed);
         let truth = |rpm, fill| bent(rpm, fill, 0.7, 0.4, [4.5, 0.0]);
         let data = measured(&plan, seed, truth);
-        let study = studied(&BENT, &plan, &data);
+        let study = studied(&BENT, &data);
         let diagnosis = &study.diagnosis;
         let summary = diagnosis.summary();
         assert_eq!(diagnosis.verdict, Verdict::Named, "seed {seed}: {summary}");
@@ -128,7 +128,7 @@ impl Simulator for Brittle {
 fn a_search_that_cannot_go_on_is_told() {
     let plan = plan(1);
     let data = measured(&plan, 1, |rpm, fill| bent(rpm, fill, 0.7, 0.4, [4.5, 0.0]));
-    let study = studied(&Brittle, &plan, &data);
+    let study = studied(&Brittle, &data);
     assert_ne!(study.diagnosis.verdict, Verdict::Named);
     let said = study.diagnosis.warnings.join("; ");
     assert!(
@@ -194,7 +194,7 @@ fn slopes_that_runs_contradict_are_corrected() {
         let plan = plan(seed);
         let truth = |rpm, fill| interacting(rpm, fill, 0.7, 0.4, [3.0, 0.0]);
         let data = measured(&plan, seed, truth);
-        let study = studied(&INTERACTING, &plan, &data);
+        let study = studied(&INTERACTING, &data);
         let summary = study.diagnosis.summary();
         assert_eq!(study.diagnosis.effects, ["bend"], "seed {seed}: {summary}");
         let errors = study.after.unwrap().errors;
@@ -209,8 +209,7 @@ fn slopes_that_runs_contradict_are_corrected() {
 fn slopes_are_corrected_only_where_runs_contradict_them() {
     let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
-    let plan = plan(8);
-    let data = observed(&plan, [0.0; 2], 8);
+    let plan = observed(&plan(8), [0.0; 2], 8);
     let mut from = Setting::declared(&plan, &[0.5, 0.5]);
     from.effects.insert("bend".into(), 0.5);
     let mut to = Setting::declared(&plan, &[0.9, 0.4]);
@@ -230,7 +229,7 @@ fn slopes_are_corrected_only_where_runs_contradict_them() {
         let (at_from, at_to) = (run(&from, 1), run(&to, 2));
         let effects = ["bend".to_owned()];
         let points = ((&from, &at_from), (&to, &at_to));
-        let corrected = linear.contradicted(&plan, &data, &effects, points.0, points.1);
+        let corrected = linear.contradicted(&plan, &effects, points.0, points.1);
         (corrected.unwrap(), at_from, at_to)
     };
     assert!(corrected(&Toy).0.is_none(), "noise alone");
@@ -265,7 +264,7 @@ fn an_effect_that_acts_on_one_side_is_looked_at_on_both() {
     let data = measured(&plan, 1, |rpm, fill| {
         one_sided(rpm, fill, 0.7, 0.4, [-2.0, 0.0])
     });
-    let study = studied(&ONE_SIDED, &plan, &data);
+    let study = studied(&ONE_SIDED, &data);
     let summary = study.diagnosis.summary();
     assert_eq!(study.diagnosis.effects, ["bend"], "{summary}");
     let found = study.after.unwrap().effects["bend"];
@@ -297,7 +296,7 @@ fn slopes_of_the_parameters_are_measured_beside_an_effect_that_changes_them() {
         }
         let truth = |rpm, fill| shaken(rpm, fill, 1.2, 0.5, [2.5, 0.0]);
         let data = measured(&plan, seed, truth);
-        let study = studied(&SHAKEN, &plan, &data);
+        let study = studied(&SHAKEN, &data);
         let summary = study.diagnosis.summary();
         assert_eq!(study.diagnosis.effects, ["bend"], "seed {seed}: {summary}");
         let after = study.after.unwrap();
@@ -325,7 +324,7 @@ fn the_interval_of_an_amplitude_knows_that_more_of_it_does_no_more() {
         let plan = plan(seed);
         let truth = |rpm, fill| sated(rpm, fill, 0.7, 0.4, [1.2, 0.0]);
         let data = measured(&plan, seed, truth);
-        let study = studied(&SATED, &plan, &data);
+        let study = studied(&SATED, &data);
         let amplitude = study.diagnosis.amplitudes["bend"];
         let [low, high] = amplitude.interval95;
         let by_slope = 1.96 * study.diagnosis.candidates["bend"].se.unwrap();

@@ -1,4 +1,4 @@
-//! What a residual study is asked: conditions, parameters, effects, and what was measured.
+//! A problem as its residual is studied: conditions with what was measured, parameters, effects.
 
 use super::candidates::CandidateMeasurement;
 use crate::Error;
@@ -24,6 +24,12 @@ pub struct StudyCondition {
     pub parameters: Option<BTreeSet<String>>,
     /// Whether the fit may use it; otherwise it is kept for the check.
     pub used: bool,
+    /// Measured means, (observables); `None` for one that was not measured.
+    #[serde(default)]
+    pub values: Vec<Option<f64>>,
+    /// Their covariance, (observables, observables); rows and columns of what was not measured are not read.
+    #[serde(default)]
+    pub covariance: CovarianceMatrix,
 }
 
 impl StudyCondition {
@@ -108,30 +114,7 @@ impl EffectProbe {
     }
 }
 
-/// What was measured.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Observed {
-    /// Values, (conditions, observables); none where an observable was not measured.
-    pub values: Vec<Vec<Option<f64>>>,
-    /// Covariance of the values of each condition, (conditions, observables, observables); rows
-    /// and columns of what was not measured are not read.
-    pub covariance: Vec<CovarianceMatrix>,
-}
-
-impl Observed {
-    /// Numbers of the observables that were measured at a condition.
-    pub fn measured(&self, condition: usize) -> Vec<usize> {
-        let values = self.values[condition].iter().enumerate();
-        values.filter_map(|(k, y)| y.map(|_| k)).collect()
-    }
-
-    /// Standard error of a value, in its unit.
-    pub fn standard_error(&self, condition: usize, observable: usize) -> f64 {
-        self.covariance[condition][observable][observable].sqrt()
-    }
-}
-
-/// Everything that a residual study needs.
+/// A [problem](crate::CalibrationProblem) about a point, as its residual is studied.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ResidualPlan {
     /// Name.
@@ -160,58 +143,40 @@ impl ResidualPlan {
     pub fn count(&self, used: bool) -> usize {
         self.conditions.iter().filter(|c| c.used == used).count()
     }
-}
 
-/// Refuses numbers that do not fit together.
-pub(super) fn check(plan: &ResidualPlan, observed: &Observed) -> Result<(), Error> {
-    let count = |what, got: usize, fits: bool, expected| {
-        if fits {
-            Ok(())
-        } else {
+    /// Numbers of the observables that were measured at a condition.
+    pub fn measured(&self, condition: usize) -> Vec<usize> {
+        let values = self.conditions[condition].values.iter().enumerate();
+        values.filter_map(|(k, y)| y.map(|_| k)).collect()
+    }
+
+    /// Standard error of a measured mean, in its unit.
+    pub fn standard_error(&self, condition: usize, observable: usize) -> f64 {
+        self.conditions[condition].covariance[observable][observable].sqrt()
+    }
+
+    /// Refuses numbers that do not fit together.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        let n = self.observables.len();
+        let replicates = self.replicates;
+        let mut counts = vec![
+            ("observables", n, n > 0, "at least one"),
+            ("replicates", replicates, replicates >= 2, "two or more"),
+        ];
+        for c in &self.conditions {
+            let (values, rows) = (c.values.len(), c.covariance.len());
+            let square = rows == n && c.covariance.iter().all(|row| row.len() == n);
+            let each = "one for each observable";
+            counts.push(("observed values", values, values == n, each));
+            counts.push(("rows of a covariance", rows, square, each));
+        }
+        let wrong = counts.into_iter().find(|(.., fits, _)| !fits);
+        wrong.map_or(Ok(()), |(what, got, _, expected)| {
             Err(Error::Count {
                 what,
                 got,
                 expected,
             })
-        }
-    };
-    let n = plan.observables.len();
-    count("observables", n, n > 0, "at least one")?;
-    count(
-        "replicates",
-        plan.replicates,
-        plan.replicates >= 2,
-        "two or more",
-    )?;
-    let rows = observed.values.len();
-    count(
-        "observed conditions",
-        rows,
-        rows == plan.conditions.len(),
-        "one for each condition",
-    )?;
-    for row in &observed.values {
-        count(
-            "observed values",
-            row.len(),
-            row.len() == n,
-            "one for each observable",
-        )?;
+        })
     }
-    count(
-        "covariances",
-        observed.covariance.len(),
-        observed.covariance.len() == rows,
-        "one for each condition",
-    )?;
-    for block in &observed.covariance {
-        let square = block.len() == n && block.iter().all(|row| row.len() == n);
-        count(
-            "rows of a covariance",
-            block.len(),
-            square,
-            "one for each observable",
-        )?;
-    }
-    Ok(())
 }

@@ -2,7 +2,7 @@
 
 use super::linearisation::Linearisation;
 use super::runs::{Means, Setting};
-use super::{Observed, ResidualPlan, assemble};
+use super::{ResidualPlan, assemble};
 use crate::Error;
 use crate::diagnosis::least_squares_step;
 use nalgebra::{Cholesky, DMatrix, DVector, Matrix, RowDVector};
@@ -11,13 +11,12 @@ use nalgebra::{Cholesky, DMatrix, DVector, Matrix, RowDVector};
 /// of runs at a point.
 pub(super) fn with_effects(
     plan: &ResidualPlan,
-    observed: &Observed,
     linear: &Linearisation,
     effects: &[String],
     (point, means): (&Setting, &Means),
 ) -> Result<Setting, Error> {
     let (taken, at) = unknowns(plan, effects, point);
-    let (matrix, target) = linear_problem(plan, observed, linear, &taken, (&at, means))?;
+    let (matrix, target) = linear_problem(plan, linear, &taken, (&at, means))?;
     let amplitudes = |end: usize| taken.iter().map(move |&j| plan.effects[j].range[end]);
     let bounds = |end: usize| plan.declared.iter().map(move |d| d.bounds[end]);
     let bounds = [0, 1].map(|end| bounds(end).chain(amplitudes(end)).collect::<Vec<f64>>());
@@ -53,15 +52,14 @@ pub(super) fn with_effects(
 /// eigenvalue of `A' A` over N, less one part in the number of rows.
 pub(super) fn standard_errors(
     plan: &ResidualPlan,
-    observed: &Observed,
     linear: &Linearisation,
     effects: &[String],
     (point, means): (&Setting, &Means),
 ) -> Result<Vec<Option<f64>>, Error> {
     let (taken, at) = unknowns(plan, effects, point);
-    let (matrix, _) = linear_problem(plan, observed, linear, &taken, (&at, means))?;
+    let (matrix, _) = linear_problem(plan, linear, &taken, (&at, means))?;
     let whole = matrix.tr_mul(&matrix);
-    let noise = noise_of_slopes(plan, observed, linear, &taken, means)?;
+    let noise = noise_of_slopes(plan, linear, &taken, means)?;
     let covariance = covariance(&whole, &noise, matrix.nrows());
     let error = |j: usize| {
         let square = covariance.as_ref()?[(j, j)];
@@ -85,7 +83,6 @@ fn covariance(whole: &DMatrix<f64>, noise: &DMatrix<f64>, rows: usize) -> Option
 /// What the noise of the slopes adds on average to the products of the whitened slopes, (parameters, then amplitudes) squared.
 fn noise_of_slopes(
     plan: &ResidualPlan,
-    observed: &Observed,
     linear: &Linearisation,
     taken: &[usize],
     means: &Means,
@@ -94,7 +91,7 @@ fn noise_of_slopes(
     let n = p + taken.len();
     let mut noise = DMatrix::zeros(n, n);
     for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used) {
-        let run = assemble::share_of_run(observed, linear, 1.0 / means.n[c] as f64, c)?;
+        let run = assemble::share_of_run(plan, linear, 1.0 / means.n[c] as f64, c)?;
         for error in linear.declared_errors.iter().filter(|error| error.at[c]) {
             let along = DVector::from_column_slice(&error.along);
             let mut of_declared = noise.view_mut((0, 0), (p, p));
@@ -132,7 +129,6 @@ pub(super) fn values_at(plan: &ResidualPlan, effects: &[usize], point: &Setting)
 /// make of them.
 pub(super) fn linear_problem(
     plan: &ResidualPlan,
-    observed: &Observed,
     linear: &Linearisation,
     taken: &[usize],
     (at, means): (&[f64], &Means),
@@ -140,14 +136,14 @@ pub(super) fn linear_problem(
     let n = plan.declared.len() + taken.len();
     let (mut rows, mut target) = (Vec::new(), Vec::new());
     for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used) {
-        let measured = observed.measured(c);
-        let root = assemble::root(observed, linear, 1.0 / means.n[c] as f64, c)?;
+        let measured = plan.measured(c);
+        let root = assemble::root(plan, linear, 1.0 / means.n[c] as f64, c)?;
         let slope = |k: usize, j: usize| match j.checked_sub(plan.declared.len()) {
             None => linear.declared[c][k][j],
             Some(e) => linear.library[c][k][taken[e]],
         };
         let slopes = DMatrix::from_fn(measured.len(), n, |row, j| slope(measured[row], j));
-        let pairs = observed.values[c].iter().zip(&means.values[c]);
+        let pairs = plan.conditions[c].values.iter().zip(&means.values[c]);
         let residuals = pairs.filter_map(|(y, f)| y.map(|y| y - f));
         let residual = DVector::from_iterator(measured.len(), residuals);
         let unsolved = || Error::Search {

@@ -92,7 +92,7 @@ fn campaigns_of_pair(hidden: &str, amplitude: f64, number: u64) -> Count {
             let [more_angle, more_shape] = pair(rpm, fill, curved, straight);
             [angle + more_angle, shape + more_shape]
         });
-        count.add(&studied(&Pair, &plan, &data), hidden);
+        count.add(&studied(&Pair, &data), hidden);
     }
     count
 }
@@ -111,7 +111,7 @@ fn campaigns_outside(number: u64) -> Count {
             let hidden = |c: &[f64]| c[0] * x + c[1] * x * x + c[2] * x * y + c[3] * y * y;
             [angle + hidden(&c[..4]), shape + hidden(&c[4..])]
         });
-        count.add(&studied(&Pair, &plan, &data), "none of them");
+        count.add(&studied(&Pair, &data), "none of them");
     }
     count
 }

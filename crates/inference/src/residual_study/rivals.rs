@@ -100,8 +100,7 @@ impl Fits<'_> {
         let compared = |model: &Refitted| -> Result<RefittedModel, Error> {
             let end = (&model.end.means.values[..], true);
             let runs = &fit.means.n;
-            let (mut residual, noise) =
-                assemble::whitened(self.plan, self.observed, linear, runs, end)?;
+            let (mut residual, noise) = assemble::whitened(self.plan, linear, runs, end)?;
             residual.extend(assemble::from_priors(self.plan, &model.end.setting));
             Ok(RefittedModel {
                 effects: model.effects.clone(),

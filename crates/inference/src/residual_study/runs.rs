@@ -211,7 +211,7 @@ fn row(
 }
 
 /// Mean of an observable in a record.
-pub(crate) fn value(record: &Record, observable: &str) -> Result<f64, Error> {
+fn value(record: &Record, observable: &str) -> Result<f64, Error> {
     record
         .observable(observable)
         .map(|o| o.mean)

@@ -1,10 +1,8 @@
 use super::runs::{Means, Setting};
 use super::scatter::Scatter;
 use super::slopes::{Points, Slopes};
-use super::tests::plan;
-use super::{
-    DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition, study_residual,
-};
+use super::tests::{plan, studied};
+use super::{DeclaredParameter, EffectProbe, ResidualPlan, StudyCondition};
 use crate::diagnosis::Verdict;
 use campaign::run_store::{Observation, Store};
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
@@ -68,6 +66,8 @@ fn box_plan(seed: u64) -> ResidualPlan {
             condition: BTreeMap::from([("speed".to_owned(), 1.0)]),
             parameters: None,
             used: true,
+            values: Vec::new(),
+            covariance: Vec::new(),
         }],
         observables: ["height", "toe", "top"].map(String::from).to_vec(),
         declared: vec![DeclaredParameter {
@@ -94,20 +94,16 @@ fn box_plan(seed: u64) -> ResidualPlan {
 fn slopes_that_are_noise_forgive_nothing() {
     let mut named = 0;
     for seed in 0..40 {
-        let store = Store::in_memory();
-        let campaign = Campaign::new(&store, 2, &Silent);
-        let plan = box_plan(seed);
+        let mut plan = box_plan(seed);
         let mut stream = Stream::new(seed, "measured");
         let se = [0.58, 0.57, 0.55];
         let truth = wet_box(0.45, 0.85, 0.0).into_iter().zip(se);
         let values = truth.map(|(y, se)| Some(y + se * stream.normal()));
         let diagonal = |i: usize, k: usize| if i == k { se[k] * se[k] } else { 0.0 };
         let block = (0..3).map(|i| (0..3).map(|k| diagonal(i, k)).collect());
-        let observed = Observed {
-            values: vec![values.collect()],
-            covariance: vec![block.collect()],
-        };
-        let study = study_residual(&campaign, &WetBox, &plan, &observed).unwrap();
+        plan.conditions[0].values = values.collect();
+        plan.conditions[0].covariance = block.collect();
+        let study = studied(&WetBox, &plan);
         let p = study.diagnosis.structured_residual.p.unwrap();
         assert!(p < 1e-5, "seed {seed}: p {p}");
         let friction = study.fitted["friction"];

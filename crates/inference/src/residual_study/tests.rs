@@ -1,9 +1,7 @@
 use super::rivals::sets_to_refit;
 use super::{
-    DeclaredParameter, EffectProbe, Observed, ResidualPlan, ResidualStudy, StudyCondition,
-    study_residual,
+    DeclaredParameter, EffectProbe, ResidualPlan, ResidualStudy, StudyCondition, study_residual,
 };
-use crate::Laboratory;
 use crate::diagnosis::{CovarianceInput, Problem, Truth, Verdict, trials};
 use campaign::run_store::{Observation, Store};
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
@@ -82,6 +80,8 @@ pub(super) fn plan(seed: u64) -> ResidualPlan {
                 condition: BTreeMap::from([("rpm".to_owned(), rpm), ("fill".to_owned(), fill)]),
                 parameters: None,
                 used: rpm != 20.0,
+                values: Vec::new(),
+                covariance: Vec::new(),
             });
         }
     }
@@ -112,17 +112,14 @@ pub(super) fn plan(seed: u64) -> ResidualPlan {
 }
 
 /// The study of a simulator, on two threads.
-pub(super) fn studied(
-    simulator: &dyn Simulator,
-    plan: &ResidualPlan,
-    data: &Observed,
-) -> ResidualStudy {
+pub(super) fn studied(simulator: &dyn Simulator, plan: &ResidualPlan) -> ResidualStudy {
     let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
-    study_residual(&campaign, simulator, plan, data).unwrap()
+    study_residual(&campaign, simulator, plan).unwrap()
 }
 
-pub(super) fn observed(plan: &ResidualPlan, effects: [f64; 2], seed: u64) -> Observed {
+/// A plan with values of the toy with these effects.
+pub(super) fn observed(plan: &ResidualPlan, effects: [f64; 2], seed: u64) -> ResidualPlan {
     measured(plan, seed, |rpm, fill| truth(rpm, fill, 0.7, 0.4, effects))
 }
 
@@ -130,20 +127,17 @@ pub(super) fn measured(
     plan: &ResidualPlan,
     seed: u64,
     truth: impl Fn(f64, f64) -> [f64; 2],
-) -> Observed {
+) -> ResidualPlan {
     let mut stream = Stream::new(seed, "measured");
-    let values = plan.conditions.iter().map(|c| {
-        let values = truth(c.condition["rpm"], c.condition["fill"]);
-        values
-            .iter()
-            .map(|v| Some(v + MEASURED_SD * stream.normal()))
-            .collect()
-    });
+    let mut plan = plan.clone();
     let square = MEASURED_SD * MEASURED_SD;
-    Observed {
-        values: values.collect(),
-        covariance: vec![vec![vec![square, 0.0], vec![0.0, square]]; plan.conditions.len()],
+    for c in &mut plan.conditions {
+        let values = truth(c.condition["rpm"], c.condition["fill"]);
+        let noisy = values.map(|v| Some(v + MEASURED_SD * stream.normal()));
+        c.values = noisy.to_vec();
+        c.covariance = vec![vec![square, 0.0], vec![0.0, square]];
     }
+    plan
 }
 
 /// The planted effect is named, its amplitude comes back within four standard errors of the
@@ -151,10 +145,8 @@ pub(super) fn measured(
 /// square of 6 rows lies below 3 with a chance of 0.995.
 #[test]
 fn a_planted_effect_is_named_and_the_kept_error_falls() {
-    let store = Store::in_memory();
-    let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(1);
-    let study = study_residual(&campaign, &Toy, &plan, &observed(&plan, [2.0, 0.0], 1)).unwrap();
+    let study = studied(&Toy, &observed(&plan, [2.0, 0.0], 1));
     assert_eq!(
         study.diagnosis.verdict,
         Verdict::Named,
@@ -180,10 +172,8 @@ fn a_planted_effect_is_named_and_the_kept_error_falls() {
 /// Without a planted effect nothing is named; the seed is fixed, and a right rule errs in 5 %.
 #[test]
 fn nothing_is_named_where_nothing_is_hidden() {
-    let store = Store::in_memory();
-    let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(2);
-    let study = study_residual(&campaign, &Toy, &plan, &observed(&plan, [0.0, 0.0], 2)).unwrap();
+    let study = studied(&Toy, &observed(&plan, [0.0, 0.0], 2));
     assert_eq!(
         study.diagnosis.verdict,
         Verdict::None,
@@ -208,11 +198,9 @@ fn few_campaigns_without_a_hidden_effect_report_one() {
     let campaigns = 2000;
     let mut reported = 0;
     for seed in 0..campaigns {
-        let store = Store::in_memory();
-        let campaign = Campaign::new(&store, 2, &Silent);
         let plan = plan(1000 + seed);
         let observed = observed(&plan, [0.0, 0.0], seed);
-        let study = study_residual(&campaign, &Toy, &plan, &observed).unwrap();
+        let study = studied(&Toy, &observed);
         reported += usize::from(study.diagnosis.verdict != Verdict::None);
     }
     println!("{reported} of {campaigns} campaigns report something missing");
@@ -227,7 +215,7 @@ fn few_campaigns_without_a_hidden_effect_report_one() {
 fn false_alarms_are_forecast_as_they_are() {
     let forecast = |seed: u64| {
         let plan = plan(1000 + seed);
-        let study = studied(&Toy, &plan, &observed(&plan, [0.0, 0.0], seed));
+        let study = studied(&Toy, &observed(&plan, [0.0, 0.0], seed));
         let problem = Problem::try_from(study.problem).unwrap();
         trials(&problem, &[Truth::Nothing], 100, seed, 0).unwrap()[0].alarm()
     };
@@ -243,7 +231,7 @@ fn one_replicate_is_refused_because_it_gives_no_noise() {
         replicates: 1,
         ..plan(3)
     };
-    let error = study_residual(&campaign, &Toy, &plan, &observed(&plan, [0.0; 2], 3)).unwrap_err();
+    let error = study_residual(&campaign, &Toy, &observed(&plan, [0.0; 2], 3)).unwrap_err();
     assert!(
         error
             .to_string()
@@ -256,8 +244,6 @@ fn one_replicate_is_refused_because_it_gives_no_noise() {
 /// for bit, and the reason is kept.
 #[test]
 fn an_effect_that_cannot_be_run_is_left_out_with_its_reason() {
-    let store = Store::in_memory();
-    let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(1);
     let mut more = plan.clone();
     more.effects.insert(
@@ -269,9 +255,8 @@ fn an_effect_that_cannot_be_run_is_left_out_with_its_reason() {
             absent: BTreeMap::new(),
         },
     );
-    let data = observed(&plan, [2.0, 0.0], 1);
-    let with = study_residual(&campaign, &Toy, &more, &data).unwrap();
-    let without = study_residual(&campaign, &Toy, &plan, &data).unwrap();
+    let with = studied(&Toy, &observed(&more, [2.0, 0.0], 1));
+    let without = studied(&Toy, &observed(&plan, [2.0, 0.0], 1));
     assert!(with.left_out["no surface"].contains("no frame shows a surface"));
     assert!(without.left_out.is_empty());
     assert_eq!(with.diagnosis, without.diagnosis);
@@ -281,8 +266,6 @@ fn an_effect_that_cannot_be_run_is_left_out_with_its_reason() {
 /// another has a noise of its own.
 #[test]
 fn an_effect_of_the_camera_shares_the_noise_of_the_start() {
-    let store = Store::in_memory();
-    let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(5);
     let mut more = plan.clone();
     more.effects.push(EffectProbe {
@@ -291,9 +274,8 @@ fn an_effect_of_the_camera_shares_the_noise_of_the_start() {
         range: [-5.0, 5.0],
         absent: BTreeMap::new(),
     });
-    let data = observed(&plan, [2.0, 0.0], 5);
-    let without = study_residual(&campaign, &Toy, &plan, &data).unwrap();
-    let with = study_residual(&campaign, &Toy, &more, &data).unwrap();
+    let without = studied(&Toy, &observed(&plan, [2.0, 0.0], 5));
+    let with = studied(&Toy, &observed(&more, [2.0, 0.0], 5));
     assert_eq!(
         with.diagnosis.effects,
         ["bend"],
@@ -315,66 +297,22 @@ fn an_effect_of_the_camera_shares_the_noise_of_the_start() {
     assert!(slopes.clone().all(|row| (row[2] - 1.0).abs() < 1e-12));
 }
 
-/// A laboratory gives the truth with the noise that it states: variance of a mean of four runs plus that of
-/// reading. Pooled over 12 conditions that is 36 degrees of freedom, so a variance of runs is right within
-/// four times its standard error, sqrt(2/36); a mean within five standard errors.
-#[test]
-fn a_laboratory_states_its_own_noise() {
-    let store = Store::in_memory();
-    let campaign = Campaign::new(&store, 2, &Silent);
-    let plan = plan(6);
-    let laboratory = Laboratory {
-        parameters: BTreeMap::from([("a".to_owned(), 0.7), ("b".to_owned(), 0.4)]),
-        effects: BTreeMap::from([("tilt".to_owned(), 1.5)]),
-        runs: 4,
-        reading_sd: &[0.2, 0.0],
-        first_seed: 5000,
-        reading: Stream::new(6, "reading"),
-    };
-    let data = laboratory.measure(&campaign, &Toy, &plan).unwrap();
-    let of_runs = RUN_SD * RUN_SD / 4.0;
-    for (k, reading) in [0.04, 0.0].into_iter().enumerate() {
-        let stated = data.covariance[0][k][k] - reading;
-        assert!(
-            (stated / of_runs - 1.0).abs() < 4.0 * (2.0_f64 / 36.0).sqrt(),
-            "{stated}"
-        );
-        for (row, c) in data.values.iter().zip(&plan.conditions) {
-            let true_values = truth(
-                c.condition["rpm"],
-                c.condition["fill"],
-                0.7,
-                0.4,
-                [0.0, 1.5],
-            );
-            let off = row[k].unwrap() - true_values[k];
-            assert!(off.abs() < 5.0 * (of_runs + reading).sqrt(), "{off}");
-        }
-    }
-}
-
 /// Values that were not measured carry nothing: with the second observable missing everywhere the
 /// study is that of the first alone.
 #[test]
 fn a_value_that_was_not_measured_has_no_weight() {
-    let store = Store::in_memory();
-    let campaign = Campaign::new(&store, 2, &Silent);
-    let both = plan(1);
-    let mut data = observed(&both, [2.0, 0.0], 1);
-    let one = ResidualPlan {
-        observables: vec!["angle".into()],
-        ..both.clone()
-    };
-    let mut alone = data.clone();
-    for (row, block) in alone.values.iter_mut().zip(&mut alone.covariance) {
-        row.truncate(1);
-        *block = vec![vec![block[0][0]]];
+    let mut both = observed(&plan(1), [2.0, 0.0], 1);
+    let mut one = both.clone();
+    one.observables.truncate(1);
+    for c in &mut one.conditions {
+        c.values.truncate(1);
+        c.covariance = vec![vec![c.covariance[0][0]]];
     }
-    for row in &mut data.values {
-        row[1] = None;
+    for c in &mut both.conditions {
+        c.values[1] = None;
     }
-    let missing = study_residual(&campaign, &Toy, &both, &data).unwrap();
-    let alone = study_residual(&campaign, &Toy, &one, &alone).unwrap();
+    let missing = studied(&Toy, &both);
+    let alone = studied(&Toy, &one);
     let t0 = |s: &super::ResidualStudy| s.diagnosis.structured_residual.t0.unwrap();
     assert!(
         (t0(&missing) - t0(&alone)).abs() < 1e-9 * t0(&alone),
@@ -421,7 +359,7 @@ pub(super) fn plan_of_twins() -> ResidualPlan {
 fn tied_effects_are_added_in_turn() {
     let plan = plan_of_twins();
     let data = observed(&plan, [2.0, 0.0], 1);
-    let study = studied(&Twins, &plan, &data);
+    let study = studied(&Twins, &data);
     let diagnosis = &study.diagnosis;
     assert_eq!(diagnosis.verdict, Verdict::Tie, "{}", diagnosis.summary());
     let mut tied = diagnosis.effects.clone();
@@ -455,7 +393,7 @@ fn a_tied_effect_that_cannot_be_run_is_told_and_left_out() {
         condition.condition.insert("rpm".into(), 25.0);
     }
     let data = observed(&plan, [2.0, 0.0], 2);
-    let study = studied(&Twins, &plan, &data);
+    let study = studied(&Twins, &data);
     assert_eq!(study.diagnosis.verdict, Verdict::Tie);
     assert_eq!(study.rivals.len(), 1);
     assert!(study.rivals[0].effects.contains_key("bend"));
@@ -483,13 +421,11 @@ fn an_observable_that_does_not_scatter_can_be_fitted() {
             Ok(outcome)
         }
     }
-    let store = Store::in_memory();
-    let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(9);
     let data = measured(&plan, 9, |rpm, fill| {
         [truth(rpm, fill, 0.7, 0.4, [2.0, 0.0])[0], 3.0]
     });
-    study_residual(&campaign, &Counting, &plan, &data).unwrap();
+    studied(&Counting, &data);
 }
 
 /// The first of each group is the effect that was taken: all of them together come first, then the next best of each
@@ -497,7 +433,7 @@ fn an_observable_that_does_not_scatter_can_be_fitted() {
 #[test]
 fn models_to_be_run_begin_with_what_was_taken() {
     let plan = plan(2);
-    let mut diagnosis = studied(&Toy, &plan, &observed(&plan, [0.0; 2], 2)).diagnosis;
+    let mut diagnosis = studied(&Toy, &observed(&plan, [0.0; 2], 2)).diagnosis;
     let sets = |d: &_| sets_to_refit(d, &plan).0;
     assert!(sets(&diagnosis).is_empty(), "nothing is named");
     let groups = |groups: &[&[&str]]| -> Vec<Vec<String>> {
@@ -513,7 +449,7 @@ fn models_to_be_run_begin_with_what_was_taken() {
 #[test]
 fn an_effect_that_explains_half_as_much_is_a_rival() {
     let plan = plan(2);
-    let mut diagnosis = studied(&Toy, &plan, &observed(&plan, [0.0; 2], 2)).diagnosis;
+    let mut diagnosis = studied(&Toy, &observed(&plan, [0.0; 2], 2)).diagnosis;
     diagnosis.effects = vec!["bend".into()];
     diagnosis.tie_groups = vec![diagnosis.effects.clone()];
     diagnosis.structured_residual.t0 = Some(104.0);
@@ -557,18 +493,14 @@ impl Simulator for DrumAndSled {
 #[test]
 fn an_effect_is_zero_in_a_scene_that_cannot_carry_it() {
     let diagnosed = |with_sled: bool| {
-        let store = Store::in_memory();
-        let campaign = Campaign::new(&store, 2, &Silent);
-        let mut plan = plan(1);
-        let mut data = measured(&plan, 1, |rpm, fill| {
+        let mut plan = measured(&plan(1), 1, |rpm, fill| {
             truth(rpm, fill, 0.7, 0.4, [0.0, 0.0]).map(|value| value + 3.0)
         });
-        for (condition, values) in plan.conditions.iter_mut().zip(&mut data.values) {
-            condition.observables = Some(BTreeMap::from([("angle".into(), "angle".into())]));
-            values[1] = None;
+        for c in &mut plan.conditions {
+            c.observables = Some(BTreeMap::from([("angle".into(), "angle".into())]));
+            c.values[1] = None;
         }
-        plan.observables = vec!["angle".into(), "slope".into()];
-        plan.observables.truncate(if with_sled { 2 } else { 1 });
+        plan.observables[1] = "slope".into();
         plan.declared.truncate(1);
         plan.base.parameters.insert("b".into(), 0.4);
         if with_sled {
@@ -578,15 +510,15 @@ fn an_effect_is_zero_in_a_scene_that_cannot_carry_it() {
                 observables: Some(BTreeMap::from([("slope".into(), "angle".into())])),
                 parameters: None,
                 used: true,
+                values: vec![None, Some(27.0)],
+                covariance: plan.conditions[0].covariance.clone(),
             });
-            data.values.push(vec![None, Some(27.0)]);
-            data.covariance.push(data.covariance[0].clone());
         } else {
-            data.values.iter_mut().for_each(|row| row.truncate(1));
-            let corner = vec![vec![data.covariance[0][0][0]]];
-            data.covariance
-                .iter_mut()
-                .for_each(|block| block.clone_from(&corner));
+            plan.observables.truncate(1);
+            for c in &mut plan.conditions {
+                c.values.truncate(1);
+                c.covariance = vec![vec![c.covariance[0][0]]];
+            }
         }
         plan.effects = vec![EffectProbe {
             name: "turn".into(),
@@ -594,7 +526,7 @@ fn an_effect_is_zero_in_a_scene_that_cannot_carry_it() {
             range: [-5.0, 5.0],
             absent: BTreeMap::from([("sled".into(), "it has no camera".into())]),
         }];
-        study_residual(&campaign, &DrumAndSled, &plan, &data).unwrap()
+        studied(&DrumAndSled, &plan)
     };
     let drum_alone = diagnosed(false).diagnosis;
     assert_eq!(drum_alone.not_testable, ["turn"]);
@@ -619,11 +551,9 @@ fn an_effect_is_zero_in_a_scene_that_cannot_carry_it() {
 /// where it stands out, and is found.
 #[test]
 fn a_slope_that_is_noise_is_measured_at_the_largest_amplitude() {
-    let store = Store::in_memory();
-    let campaign = Campaign::new(&store, 2, &Silent);
     let mut plan = plan(1);
     plan.effects[0].probe = 0.02;
-    let study = study_residual(&campaign, &Toy, &plan, &observed(&plan, [2.0, 0.0], 1)).unwrap();
+    let study = studied(&Toy, &observed(&plan, [2.0, 0.0], 1));
     let diagnosis = &study.diagnosis;
     assert_eq!(diagnosis.effects, ["bend"], "{}", diagnosis.summary());
     let amplitude = study.after.as_ref().unwrap().effects["bend"];

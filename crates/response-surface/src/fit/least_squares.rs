@@ -92,6 +92,21 @@ pub(crate) fn least_squares(
     })
 }
 
+/// Condition number of the scaled columns; none where it is not finite.
+pub(crate) fn condition(solved: &LeastSquares) -> Option<f64> {
+    let p = solved.triangle.len();
+    let triangle =
+        nalgebra::DMatrix::from_fn(
+            p,
+            p,
+            |i, j| {
+                if i <= j { solved.triangle[j][i] } else { 0.0 }
+            },
+        );
+    let values = triangle.singular_values();
+    super::ratio(values.max(), values.min())
+}
+
 /// Sum of squares that each of some columns adds to those before it; 0 for all if any depends on those before it.
 pub(crate) fn each_adds(mut columns: Vec<Vec<f64>>, mut target: Vec<f64>) -> Vec<f64> {
     let m = columns.len();

@@ -2,9 +2,10 @@
 
 use experiment_design::Factor;
 
-use crate::fit::Case;
-use crate::surface::natural::rebased;
-use crate::{BoxExtremes, DataRegion, Error, Fit};
+use crate::fit::wide::Wide;
+use crate::fit::{Case, TermRow, tested};
+use crate::surface::natural::{natural_terms, rebased};
+use crate::{BoxExtremes, DataRegion, Error, Fit, NamedValues};
 
 impl Fit {
     /// Least and greatest value over the ranges of the factors.
@@ -80,6 +81,36 @@ impl Fit {
         Ok(self.remapped(factors, &lines, &dropped))
     }
 
+    /// The fit of a surface that is raised by a constant, as runs elsewhere ask for: its sums of squares and tests stay those of its runs,
+    /// the intercept has no test any more.
+    #[must_use]
+    pub fn raised(mut self, by: f64) -> Self {
+        let raised = |terms: NamedValues<TermRow>| -> NamedValues<TermRow> {
+            let row = |(name, row): (&str, &TermRow)| {
+                let intercept = || tested(row.coef + by, 0.0, None, 0);
+                let row = if name == "1" {
+                    intercept()
+                } else {
+                    row.clone()
+                };
+                (name.to_owned(), row)
+            };
+            terms.iter().map(row).collect()
+        };
+        self.terms = raised(self.terms);
+        self.terms_natural = raised(self.terms_natural);
+        let natural = self.terms_natural.iter();
+        self.coef_natural_units = natural.map(|(name, r)| (name.to_owned(), r.coef)).collect();
+        if let Some(canonical) = &mut self.canonical {
+            canonical.value = canonical.value.map(|value| value + by);
+        }
+        if let Some(ends) = &mut self.box_extremes {
+            ends.min.value += by;
+            ends.max.value += by;
+        }
+        self
+    }
+
     /// What the data span in the factors that are left when some places are dropped.
     fn region_without(&self, dropped: &[usize]) -> Option<DataRegion> {
         if dropped.is_empty() || self.cases.is_empty() {
@@ -106,8 +137,12 @@ impl Fit {
         let (formula, coefficients, covariance) =
             rebased(&self.formula, lines, &self.coefficients(), &covariance);
         let formula = formula.without(dropped);
+        let (mse, df) = (self.mse, self.df_resid);
+        let wide: Vec<Wide> = coefficients.iter().map(|&c| Wide::from(c)).collect();
+        let terms_natural = natural_terms(&factors, &formula, &wide, &covariance, mse, df);
+        let natural = terms_natural.iter();
         let row = |(i, c): (usize, f64)| {
-            let row = crate::fit::tested(c, covariance[i][i], self.mse, self.df_resid);
+            let row = tested(c, covariance[i][i], self.mse, self.df_resid);
             (formula.name(&formula.terms()[i]), row)
         };
         Self {
@@ -115,6 +150,8 @@ impl Fit {
             terms: coefficients.into_iter().enumerate().map(row).collect(),
             p: formula.terms().len(),
             formula,
+            coef_natural_units: natural.map(|(name, r)| (name.to_owned(), r.coef)).collect(),
+            terms_natural,
             xtx_inverse: covariance,
             cases: Vec::new(),
             data_region: self.region_without(dropped),

@@ -133,8 +133,8 @@ fn conditions(report: &mut Report, study: &ResidualStudy) -> Result<(), Error> {
                 row.extend(vec![DASH.to_owned(); 2 + models.len()]);
                 continue;
             }
-            let se = study.observed.standard_error(c, k);
-            row.push(match study.observed.values[c][k] {
+            let se = study.plan.standard_error(c, k);
+            row.push(match study.plan.conditions[c].values[k] {
                 Some(value) => with_error(value, Some(se), ""),
                 None => DASH.to_owned(),
             });

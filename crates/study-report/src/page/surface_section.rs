@@ -29,12 +29,26 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
         ));
         for (quantity, fit) in &model.fits {
             match fit {
-                Some(fit) => of_observable(page, number, quantity, fit)?,
+                Some(fit) => {
+                    of_observable(page, number, quantity, fit)?;
+                    shift(page, quantity, model.shifts.get(quantity));
+                }
                 None => too_few(page, model, quantity),
             }
         }
     }
     Ok(())
+}
+
+/// By how much fresh runs have shifted the surface, if they have.
+fn shift(page: &mut Page<'_>, quantity: &str, shift: Option<&f64>) {
+    if let Some(shift) = shift.filter(|shift| **shift != 0.0) {
+        let shift = in_unit(&digits(*shift), observable(quantity).1);
+        page.report.paragraph(&format!(
+            "The surface includes a shift of {shift}, by which it meets the fresh runs at the estimate; the sums of squares are those of \
+             the design."
+        ));
+    }
 }
 
 /// What stands for an analysis that the runs do not give.

@@ -88,8 +88,8 @@ fn comparisons(study: &ResidualStudy, simulated: &[Vec<f64>], k: usize) -> Vec<C
     let comparison = |(c, condition): (usize, &StudyCondition)| {
         Some(Comparison {
             name: condition_name(condition),
-            measured: study.observed.values[c][k]?,
-            measured_error: 2.0 * study.observed.standard_error(c, k),
+            measured: study.plan.conditions[c].values[k]?,
+            measured_error: 2.0 * study.plan.standard_error(c, k),
             predicted: simulated[c][k],
             predicted_error: 2.0 * run_sd / runs.sqrt(),
             role: role(condition),
@@ -102,8 +102,8 @@ fn comparisons(study: &ResidualStudy, simulated: &[Vec<f64>], k: usize) -> Vec<C
 fn residuals(study: &ResidualStudy) -> Residuals {
     let conditions = study.plan.conditions.iter();
     let left = |simulated: &[Vec<f64>], k: usize| -> Vec<Option<f64>> {
-        let rows = study.observed.values.iter().zip(simulated);
-        rows.map(|(o, s)| o[k].map(|y| y - s[k])).collect()
+        let rows = study.plan.conditions.iter().zip(simulated);
+        rows.map(|(c, s)| c.values[k].map(|y| y - s[k])).collect()
     };
     let simulated: Vec<_> = std::iter::once(&study.simulated_before)
         .chain(study.models().map(|model| &model.simulated))

@@ -58,9 +58,9 @@ fn conditions(name: &str, study: &ResidualStudy) -> CsvTable {
         );
         row.push(if condition.used { "fit" } else { "check" }.into());
         for k in 0..study.plan.observables.len() {
-            row.push(study.observed.values[c][k].into());
-            let measured = study.observed.values[c][k].is_some();
-            let se = study.observed.standard_error(c, k);
+            row.push(study.plan.conditions[c].values[k].into());
+            let measured = study.plan.conditions[c].values[k].is_some();
+            let se = study.plan.standard_error(c, k);
             row.push(measured.then_some(se).into());
             row.push(study.simulated_before[c][k].into());
             row.push(study.after.as_ref().map(|a| a.simulated[c][k]).into());

@@ -107,7 +107,7 @@ fn what_a_condition_does_not_show_is_a_dash() {
     heap.model = Some("heap".into());
     heap.condition.clear();
     heap.observables = Some(BTreeMap::new());
-    study.observed.values[0][0] = None;
+    study.plan.conditions[0].values[0] = None;
     for row in &mut study.diagnosis.observable_support {
         row.z = None;
     }

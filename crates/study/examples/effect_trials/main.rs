@@ -173,13 +173,8 @@ impl Trials<'_> {
         let (study, candidate) = (recommended.study, recommended.candidate);
         let again = || -> Result<ResidualStudy, AnyError> {
             let values = self.laboratory.measure_next(&outcome.hidden, candidate)?;
-            let (plan, observed) = study.with_measured(candidate, &values);
-            Ok(study_residual(
-                self.campaign,
-                self.simulator,
-                &plan,
-                &observed,
-            )?)
+            let plan = study.with_measured(candidate, &values);
+            Ok(study_residual(self.campaign, self.simulator, &plan)?)
         };
         let result = again().map_err(|e| cause(&*e));
         let then = Outcome::new(outcome.hidden.clone(), result, 0)?;

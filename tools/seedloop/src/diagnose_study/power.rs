@@ -1,7 +1,7 @@
 //! What a study can be expected to tell, before any run.
 
 use anyhow::Context as _;
-use inference::diagnosis::{Power, Problem, ProblemFile, TrialRow, Truth, trials, usual_truths};
+use inference::diagnosis::{Power, Problem, ProblemFile, Truth, trials, usual_truths};
 use inference::{PowerTable, power_of_design};
 use std::path::Path;
 use study::Study;
@@ -124,26 +124,8 @@ fn of_folder(
             return Ok(None);
         }
         let each = CAMPAIGNS.div_ceil(truths.len());
-        rows.push(pooled(
-            size,
-            &trials(&problem, &truths, each, seed, threads)?,
-        ));
+        let drawn = trials(&problem, &truths, each, seed, threads)?;
+        rows.push(Power::of(size, &drawn));
     }
     Ok(Some(rows))
-}
-
-/// Shares over all effects.
-fn pooled(size: f64, rows: &[TrialRow]) -> Power {
-    let sum = |count: fn(&TrialRow) -> usize| rows.iter().map(count).sum::<usize>();
-    let campaigns = sum(|row| row.trials);
-    let share = |count: usize| count as f64 / campaigns.max(1) as f64;
-    Power {
-        size,
-        campaigns,
-        named: share(sum(|row| row.named)),
-        tied: share(sum(|row| row.tied)),
-        wrong: share(sum(|row| row.false_name)),
-        unknown: share(sum(|row| row.unknown + row.recheck)),
-        unseen: share(sum(|row| row.none)),
-    }
 }
