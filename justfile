@@ -374,12 +374,11 @@ rigid-or-bonded *ARGS:
     cargo run --release --locked -p scene --example rigid_or_bonded -- "$@"
 
 # Installs the Debian package where it is missing; apt-get may need root.
-# Open the report of a closed-form study, the page of a watched campaign and that of a photo in Chromium; the report stays in out/browser-test (seconds).
+# Open the report of a closed-form study, and that of a photo in Chromium; the report stays in out/browser-test (seconds).
 [group('build and check')]
 browser-test:
     command -v chromium > /dev/null || apt-get install --yes --no-install-recommends chromium
     cargo test --release --locked -p study-report --lib browser -- --ignored
-    cargo test --release --locked -p campaign-watch --lib browser -- --ignored
     cargo test --release --locked -p angle-from-image --test command browser -- --ignored
 
 # Installs the Debian package where it is missing; apt-get may need root.

@@ -35,10 +35,14 @@ impl Campaign<'_> {
                     if let Some(begin) = begin {
                         pace.add(job.cost, begin.elapsed().as_secs_f64());
                     }
-                    board.results[i] = Some(self.found(job));
+                    let found = self.found(job);
+                    self.tell_end(job, &found);
+                    board.results[i] = Some(found);
                 }
                 RunEvent::Failed(_, why) => {
-                    board.results[i] = Some(Err(Failure::Simulator(why)));
+                    let failed = Err(Failure::Simulator(why));
+                    self.tell_end(job, &failed);
+                    board.results[i] = Some(failed);
                 }
             }
             self.tell(jobs, board, pace);

@@ -47,7 +47,6 @@ mod handover;
 mod jobs;
 mod pace;
 mod progress;
-mod progress_folder;
 mod records;
 mod request;
 pub mod run_store;
@@ -60,10 +59,6 @@ pub use error::{Error, in_full};
 pub use executor::{Executor, ExecutorError, PendingRun, RunEvent};
 pub use pace::Pace;
 pub use progress::{LineProgress, Progress, ProgressState, Silent, range_in_words, time_in_words};
-pub use progress_folder::{
-    CampaignPlan, CampaignState, MeasuredMean, ParameterName, PlannedList, PlannedRun,
-    ProgressFolder, StagePlan,
-};
 pub use request::{RunOutcome, RunRequest};
 pub use runner::Campaign;
 pub use simulator::{Simulator, SimulatorError};

@@ -5,7 +5,8 @@ use std::io::Write;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::PendingRun;
+use crate::RunRequest;
+use crate::run_store::Record;
 
 /// How far a list of runs is, and the loop that it belongs to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,9 +69,9 @@ impl fmt::Display for ProgressState {
 
 /// A listener; called by one thread at a time.
 pub trait Progress: Sync {
-    /// Hears which different runs a list has, before its first update.
-    fn planned(&self, runs: &[PendingRun<'_>]) {
-        let _ = runs;
+    /// Hears what came of a run of a list: its record, which may have been in the store, or why it has none.
+    fn ended(&self, request: &RunRequest, result: Result<&Record, &str>) {
+        let _ = (request, result);
     }
 
     /// Hears how far the campaign is: once at the start and after each run.
@@ -159,10 +160,6 @@ impl fmt::Debug for LineProgress {
 const CLEAR: &str = "\r\u{1b}[2K";
 
 impl Progress for LineProgress {
-    fn planned(&self, _runs: &[PendingRun<'_>]) {
-        self.lock().last = None;
-    }
-
     fn update(&self, state: &ProgressState) {
         let mut output = self.lock();
         let ends = state.done == state.total;
@@ -177,7 +174,8 @@ impl Progress for LineProgress {
         let is_due =
             |(last, had): (Instant, bool)| last.elapsed() >= LEAST_PAUSE || estimated != had;
         if ends || output.last.is_none_or(is_due) {
-            output.last = Some((Instant::now(), estimated));
+            // The next line is the first of the next list.
+            output.last = (!ends).then(|| (Instant::now(), estimated));
             output.write(format_args!("{state}\n"));
         }
     }
@@ -235,7 +233,6 @@ mod tests {
     fn written(listener: impl Fn(Kept) -> LineProgress) -> String {
         let kept = Kept::default();
         let lines = listener(kept.clone());
-        lines.planned(&[]);
         for done in 0..=4 {
             lines.update(&ProgressState {
                 done,

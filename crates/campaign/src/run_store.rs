@@ -39,7 +39,6 @@ mod record_file;
 mod sealed;
 mod set_aside;
 mod store;
-mod view;
 mod write_whole;
 
 pub use canonical::{SCHEMA, canonical_json, run_key};
@@ -51,5 +50,4 @@ pub use record::{Observation, Record};
 pub use sealed::{seal, seal_text, seal_without, unseal, unseal_text};
 pub use set_aside::set_file_aside;
 pub use store::{Lookup, Store};
-pub use view::{FolderView, read_record, record_path};
 pub use write_whole::{write_whole, write_whole_unsynced};

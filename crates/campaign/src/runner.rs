@@ -11,7 +11,7 @@ use crate::claims::Keeper;
 use crate::jobs::{Job, JobList};
 use crate::time_left::end_of_last;
 use crate::workers::Hall;
-use crate::{Error, Executor, Pace, PendingRun, Progress, RunRequest, Simulator};
+use crate::{Error, Executor, Pace, Progress, RunRequest, Simulator};
 
 /// Runs lists of requests against a store.
 #[derive(Clone, Copy)]
@@ -173,8 +173,11 @@ impl<'a> Campaign<'a> {
         let pace = self.pace.unwrap_or(&own);
         pace.begin_list(self.length_of(jobs.iter().map(|job| job.cost)));
         let mut board = self.look_up(jobs)?;
-        let pending: Vec<PendingRun<'_>> = jobs.iter().map(Job::pending).collect();
-        self.progress.planned(&pending);
+        for (job, result) in jobs.iter().zip(&board.results) {
+            if let Some(result) = result {
+                self.tell_end(job, result);
+            }
+        }
         if let Some(executor) = self.executor {
             self.have_done(executor, jobs, &mut board, pace)?;
             return Ok(board.results);

@@ -152,6 +152,7 @@ impl Campaign<'_> {
             Outcome::Unreadable(why) => Err(Failure::Store(why)),
         };
         board.broken |= matches!(result, Err(Failure::Store(_)));
+        self.tell_end(job, &result);
         if let Some(place) = board.results.get_mut(i) {
             *place = Some(result);
         }
@@ -203,6 +204,15 @@ impl Campaign<'_> {
             .with_details(outcome.details);
         self.store.put(&record).map_err(Failure::Store)?;
         Ok(record)
+    }
+
+    /// Tells the listener what came of a job.
+    pub(crate) fn tell_end(&self, job: &Job, result: &Result<Record, Failure>) {
+        match result {
+            Ok(record) => self.progress.ended(&job.request, Ok(record)),
+            Err(Failure::Simulator(why)) => self.progress.ended(&job.request, Err(&why.in_full())),
+            Err(Failure::Store(why)) => self.progress.ended(&job.request, Err(&why.to_string())),
+        }
     }
 
     /// Tells the listener how far it is.

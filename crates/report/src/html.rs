@@ -81,6 +81,8 @@ pub struct Report {
     tables: usize,
     /// Scripts that something in the page needs, each once.
     scripts: Vec<Script>,
+    /// Seconds after which a browser loads the page again; `None` for never.
+    reload_s: Option<u32>,
 }
 
 impl Report {
@@ -94,6 +96,7 @@ impl Report {
             figures: 0,
             tables: 0,
             scripts: Vec::new(),
+            reload_s: None,
         }
     }
 
@@ -294,6 +297,17 @@ impl Report {
         Ok(self)
     }
 
+    /// Has a browser load the page again after some seconds, and says so here if the page has not been written for three
+    /// minutes.
+    pub fn reload_every(&mut self, seconds: u32) -> &mut Self {
+        self.reload_s = Some(seconds);
+        self.need(Script::Age);
+        self.push(format_args!(
+            "<div class=\"verdict bad\" id=\"age\" hidden><strong></strong><p></p></div>"
+        ));
+        self
+    }
+
     /// Adds a line to the footer: version, seed, checksum of an input.
     pub fn provenance(&mut self, line: &str) -> &mut Self {
         self.provenance.push(line.to_owned());
@@ -315,12 +329,15 @@ impl Report {
         }
         let policy = script::policy(STYLE, &self.scripts);
         let scripts = script::elements(&self.scripts);
+        let reload = self.reload_s.map_or_else(String::new, |seconds| {
+            format!("<meta http-equiv=\"refresh\" content=\"{seconds}\">\n")
+        });
         let body = &self.body;
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n\
-             <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<main>\n\
+             {reload}<title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<main>\n\
              <h1>{title}</h1>\n{contents}{body}{end}</main>\n<footer>\n{footer}</footer>\n\
              {scripts}</body>\n</html>\n"
         )

@@ -20,6 +20,7 @@ mod page;
 mod pictures;
 mod residual;
 mod run_details;
+mod running;
 mod tables;
 #[cfg(test)]
 mod test_input;
@@ -41,3 +42,4 @@ pub use exploration::{SurfaceWithSliders, explored_surface};
 pub use input::{ComparedValue, DiagnosisInput, ReportInput};
 pub use open_words::open_in_words;
 pub use output::{Extent, write, write_diagnosis};
+pub use running::{RunningCampaign, RunningPage, RunningStage};

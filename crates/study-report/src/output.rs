@@ -6,6 +6,9 @@ use crate::tables::{CsvTable, residual_tables, tables};
 use crate::{DiagnosisInput, Error, ReportInput};
 use std::path::Path;
 
+/// Name of the page.
+pub(crate) const PAGE: &str = "report.html";
+
 /// Name of everything that belongs to the study of the residual.
 pub(crate) const DIAGNOSIS: &str = "diagnosis";
 
@@ -40,7 +43,7 @@ pub fn write(folder: &Path, input: &ReportInput<'_>, extent: Extent) -> Result<(
     if extent == Extent::WithParts {
         write_parts(folder, &pictures, &tables(input)?)?;
     }
-    put(&folder.join("report.html"), page.as_bytes())
+    put(&folder.join(PAGE), page.as_bytes())
 }
 
 /// Writes the report of a diagnosis alone into a folder: the same files as those of a calibration.
@@ -59,7 +62,7 @@ pub fn write_diagnosis(
         let tables = residual_tables::all(DIAGNOSIS, input.study, input.parameters);
         write_parts(folder, &pictures, &tables)?;
     }
-    put(&folder.join("report.html"), page.as_bytes())
+    put(&folder.join(PAGE), page.as_bytes())
 }
 
 /// Writes pictures and tables into folders of their own.

@@ -57,7 +57,7 @@ fn chart(report: &mut Report, pictures: &[NamedPicture], name: &str, caption: &s
 }
 
 /// Adds a list of statements under a sentence; nothing without statements.
-fn list(report: &mut Report, sentence: &str, lines: &[String]) {
+pub(crate) fn list(report: &mut Report, sentence: &str, lines: &[String]) {
     if !lines.is_empty() {
         let lines: Vec<&str> = lines.iter().map(String::as_str).collect();
         report.paragraph(sentence).list(&lines);

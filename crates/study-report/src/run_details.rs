@@ -42,15 +42,20 @@ impl RunDetails {
             list.map(|l| l.iter().filter_map(Value::as_f64).collect())
                 .unwrap_or_default()
         };
-        let frame = details["last_frame_png_base64"].as_str();
         Self {
             times_s: numbers("series", "time_s"),
             centre_of_mass_deg: numbers("series", "centre_of_mass_deg"),
             start_up_s: details["start_up_s"].as_f64(),
             frame_times_s: numbers("frames", "times_s"),
-            last_frame: frame.and_then(|text| STANDARD.decode(text).ok()),
+            last_frame: Self::last_frame_of(record),
             seeds: Seeds::of(&details["last_bodies"]),
         }
+    }
+
+    /// The last frame of a record as PNG.
+    pub(crate) fn last_frame_of(record: &Record) -> Option<Vec<u8>> {
+        let text = record.details()["last_frame_png_base64"].as_str()?;
+        STANDARD.decode(text).ok()
     }
 }
 

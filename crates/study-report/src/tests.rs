@@ -31,7 +31,7 @@ fn headings(page: &str) -> Vec<String> {
 }
 
 /// The first row of a table that begins with an entry: its entries.
-fn row(page: &str, first: &str) -> Vec<String> {
+pub(crate) fn row(page: &str, first: &str) -> Vec<String> {
     rows(page, first).into_iter().next().unwrap_or_default()
 }
 

@@ -5,18 +5,19 @@ mod text;
 
 use crate::enter::{enter, require_memory, work_of};
 use crate::runner::{Retries, Runner, whole};
+use crate::running;
 use crate::stop::Stop;
-use crate::watched;
 use crate::work::Job;
+use ::report::Tone;
 use anyhow::Context as _;
-use campaign::{Executor, LineProgress, ProgressFolder};
+use campaign::{Executor, LineProgress};
 use command_line::{Common, DONE, NOT_MET, Overwrite, try_folder};
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 use study::{
     RunSettings, Study, StudyResult, plan_study, run_study, write_hand_over, write_result,
 };
-use study_report::Extent;
+use study_report::{Extent, RunningPage};
 
 pub(crate) use text::plan;
 
@@ -98,27 +99,31 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
     let simulator = study.simulator(&folder)?.with_retries(retries);
     let simulator = simulator.with_stop(stop.flag());
     let lines = progress_lines(common);
-    let told = watched::of_calibration(&study, &price);
-    let progress = ProgressFolder::new(&folder, told, &lines);
+    let title = format!("Calibration {}", study.folder_name());
+    let page = RunningPage::begin(
+        &folder,
+        running::of_study(title, &study, &price.stages),
+        &lines,
+    );
     let job = |folder: &Path| of_study(&study, folder, retries);
     let executor = (arguments.runner).executor(job, &folder, &study.file.runner, common)?;
     let settings = RunSettings {
         seed: arguments.seed,
         threads: common.threads(),
         folder: folder.clone(),
-        progress: &progress,
+        progress: &page,
         stop: stop.flag(),
         retries,
         executor: executor.as_ref().map(|e| e as &dyn Executor),
     };
     let announce = |stage: &str| {
-        progress.announce(stage);
+        page.announce(stage);
         common.log(|| format!("== {stage}"));
     };
     let done = run_study(&study, &simulator, &settings, &announce);
     if let Err(study::Error::Calibration(refused @ inference::Error::CoarseGraining { .. })) = &done
     {
-        progress.end(watched::FINISHED);
+        page.finish(Tone::Bad, "Refused", &refused.to_string());
         common.print(format!("refused: {refused}"))?;
         return Ok(NOT_MET);
     }
@@ -130,8 +135,7 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
         .with_context(|| format!("cannot write the results into {}", folder.display()))?;
     write_result(&folder.join("result.json"), &result, &StudyResult::CLOCK)?;
     let extent = Extent::with_parts(arguments.report_files);
-    report::write(&folder, &study, &simulator, &result, extent)?;
-    progress.end(watched::FINISHED);
+    page.replace(|| report::write(&folder, &study, &simulator, &result, extent))?;
     common.print(text::result(&result, &folder, &files).trim_end())?;
     common.emit_json(&result)?;
     Ok(if result.calibration.met {

@@ -8,10 +8,11 @@ use crate::calibrate::{of_study, progress_lines, refuse_used_folder};
 use crate::diagnose::{evidence_text, exit_code};
 use crate::enter::{enter, require_memory, work_of};
 use crate::runner::Runner;
+use crate::running;
 use crate::stop::Stop;
-use crate::watched;
+use ::report::Tone;
 use anyhow::Context as _;
-use campaign::{Executor, ProgressFolder, range_in_words};
+use campaign::{Executor, range_in_words};
 use command_line::{Common, DONE, NOT_MET, significant, try_folder};
 use inference::diagnosis::Diagnosis;
 use inference::{CalibrationProblem, DiagnosisStage, ResidualStudy};
@@ -22,7 +23,7 @@ use study::{
     DiagnosisPrice, DiagnosisResult, RunSettings, StagePrice, Study, plan_diagnosis, run_diagnosis,
     write_json, write_result,
 };
-use study_report::{Extent, answer};
+use study_report::{Extent, RunningPage, answer};
 
 /// What the command line says.
 #[derive(Debug)]
@@ -112,9 +113,10 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
     let _owner = enter(&folder, &work, common)?;
     common.log(|| planned.trim_end().to_owned());
     let lines = progress_lines(common);
-    let progress =
-        ProgressFolder::new(&folder, watched::of_diagnosis(&study, &price.stage), &lines);
-    progress.announce(&price.stage.stage);
+    let title = format!("Diagnosis {}", study.folder_name());
+    let stages = std::slice::from_ref(&price.stage);
+    let page = RunningPage::begin(&folder, running::of_study(title, &study, stages), &lines);
+    page.announce(&price.stage.stage);
     let stop = Stop::of_runs(&folder)?;
     let job = |folder: &Path| of_study(&study, folder, options.retries);
     let executor = (options.runner).executor(job, &folder, &study.file.runner, common)?;
@@ -122,7 +124,7 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         seed: options.seed,
         threads: common.threads(),
         folder: folder.clone(),
-        progress: &progress,
+        progress: &page,
         stop: stop.flag(),
         retries: options.retries,
         executor: executor.as_ref().map(|e| e as &dyn Executor),
@@ -140,7 +142,7 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
     let (done, code) = match &result.diagnosis {
         DiagnosisStage::Done(done) => {
             write_json(&folder.join("problem.json"), &done.problem)?;
-            report::write(&folder, &study, &result, done, options.extent, common)?;
+            page.replace(|| report::write(&folder, &study, &result, done, options.extent, common))?;
             common.print(found_text(&study, done).trim_end())?;
             let next = next::text(&study, &result, &folder);
             if !next.is_empty() {
@@ -149,11 +151,11 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
             (Some(&done.diagnosis), exit_code(done.diagnosis.verdict))
         }
         DiagnosisStage::LeftOut { reason } => {
+            page.finish(Tone::Caution, "No diagnosis", reason);
             common.print(format!("no diagnosis: {reason}"))?;
             (None, NOT_MET)
         }
     };
-    progress.end(watched::FINISHED);
     for warning in done.iter().flat_map(|d| &d.warnings) {
         common.log(|| format!("warning: {warning}"));
     }

@@ -14,11 +14,10 @@ mod levels;
 mod optimise;
 mod run;
 mod runner;
+mod running;
 mod simulate;
 mod stop;
 mod verify;
-mod watch;
-mod watched;
 mod work;
 
 use clap::{Parser, Subcommand};
@@ -63,8 +62,6 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
-    /// Shows a campaign while it runs, in a browser on this machine: stages, runs, charts, latest frames
-    Watch(watch::Arguments),
     /// Tells which effect, if any, a residual that re-tuning cannot remove speaks for
     Diagnose(diagnose::Arguments),
     /// Reads bench measurements, or does the same test with the solver
@@ -88,7 +85,6 @@ fn main() -> ExitCode {
         Command::Optimise(arguments) => optimise::run(arguments),
         Command::Init(arguments) => init::run(arguments),
         Command::Calibrate { arguments, common } => calibrate::run(arguments, common),
-        Command::Watch(arguments) => watch::run(arguments),
         Command::Diagnose(arguments) => diagnose::run(arguments),
         Command::BenchTest(arguments) => bench_test::run(arguments),
         Command::Export(arguments) => export::run(arguments),

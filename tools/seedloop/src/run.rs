@@ -5,19 +5,20 @@ use crate::enter::{enter, require_memory, work_of};
 use crate::runner::{Retries, Runner, runner_settings, whole};
 use crate::simulate::{all_written, log_warnings};
 use crate::stop::Stop;
-use crate::watched;
 use crate::work::Job;
 use anyhow::Context as _;
 use campaign::run_store::{Observation, Record, Store};
-use campaign::{Campaign, ProgressFolder, time_in_words};
+use campaign::{Campaign, time_in_words};
 use command_line::table_file;
 use command_line::{Common, DONE, Header, NOT_MET, Overwrite, try_folder, write_new};
+use report::Tone;
 use serde::Serialize;
 use simulators::scene_simulator::no_surface_of;
 use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use study::{DesignChoices, DesignPlan, DesignRun, DesignTable};
+use study_report::{RunningCampaign, RunningPage};
 
 /// Runs every row of a design table and writes the results beside it, ready for `seedloop analyse`
 #[derive(clap::Args, Debug)]
@@ -171,10 +172,13 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let store = Store::open(&runs)?;
     let (lines, stop) = (progress_lines(common), Stop::of_runs(&folder)?);
     let name = arguments.design.file_stem().unwrap_or_default();
-    let told = watched::of_design(&name.to_string_lossy());
-    let progress = ProgressFolder::new(&folder, told, &lines);
+    let campaign = RunningCampaign {
+        title: format!("Runs of {}", name.to_string_lossy()),
+        ..RunningCampaign::default()
+    };
+    let page = RunningPage::begin(&folder, campaign, &lines);
     let simulator = simulator.with_stop(stop.flag());
-    let campaign = Campaign::new(&store, common.threads(), &progress).with_stop(stop.flag());
+    let campaign = Campaign::new(&store, common.threads(), &page).with_stop(stop.flag());
     let settings = runner_settings(arguments.runner_settings.as_deref())?;
     let job = |folder: &Path| job(arguments, folder);
     let executor = arguments.runner.executor(job, &folder, &settings, common)?;
@@ -199,9 +203,13 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     } else {
         Ok(())
     };
-    progress.end(watched::FINISHED);
     let [failed, refused] = tell_failures(table.runs(), &outcomes)?;
     let file = file.display().to_string();
+    page.finish(
+        Tone::Note,
+        "Finished",
+        &format!("The results are in {file}."),
+    );
     let each = table.runs().iter().zip(&outcomes);
     // The runs are done: what cannot be written takes nothing else with it.
     all_written([

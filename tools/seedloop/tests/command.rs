@@ -40,8 +40,6 @@ mod surfaces;
 mod tables;
 #[path = "command/tiny_scene.rs"]
 mod tiny_scene;
-#[path = "command/watch.rs"]
-mod watch;
 #[path = "command/wrong_scenes.rs"]
 mod wrong_scenes;
 #[path = "command/your_material.rs"]

@@ -21,6 +21,8 @@ pub(crate) enum Script {
     Fold,
     /// Pictures whose places are pointed at.
     Pointing,
+    /// The age of a page that should be renewed.
+    Age,
 }
 
 impl Script {
@@ -33,6 +35,7 @@ impl Script {
             Self::Choice => include_str!("choice.js"),
             Self::Fold => include_str!("fold.js"),
             Self::Pointing => include_str!("pointing.js"),
+            Self::Age => include_str!("age.js"),
         }
     }
 }
@@ -94,6 +97,7 @@ mod tests {
             Script::Choice,
             Script::Fold,
             Script::Pointing,
+            Script::Age,
         ];
         let policy = policy("p {}", &scripts);
         let page = elements(&scripts);

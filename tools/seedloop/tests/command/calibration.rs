@@ -101,6 +101,10 @@ fn bench_tests_give_back_the_frictions_behind_them() {
     assert_eq!(written, first);
     let report = fs::read_to_string(folder_of.join("report.html")).unwrap();
     assert!(report.ends_with("</html>\n"));
+    assert!(
+        !report.contains("http-equiv=\"refresh\""),
+        "the page of the run"
+    );
 
     let words = "bench-test tilt --scene ball.toml --plate steel --repeats 2 --json=- --set-file out/bench/parameters.toml";
     let tilted = seedloop(here, &words.split(' ').collect::<Vec<_>>());

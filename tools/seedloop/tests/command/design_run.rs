@@ -139,6 +139,8 @@ fn a_design_is_run_and_analysed_without_a_script() {
     );
     let design = fs::read_to_string(here.join("design.csv")).unwrap();
     let results = fs::read_to_string(here.join("results/results.csv")).unwrap();
+    let page = fs::read_to_string(here.join("results/report.html")).unwrap();
+    assert!(page.contains("Finished"));
     for (i, (row, result)) in design.lines().zip(results.lines()).enumerate() {
         assert!(result.starts_with(row), "line {}: {result}", i + 1);
     }

@@ -125,6 +125,10 @@ fn leaves_nothing(signal: &str, code: Option<i32>) {
         !folder.path().join("lived").exists(),
         "{signal}: a child of the program lived on"
     );
+    // A killed process leaves the page that a browser goes on loading.
+    let page = fs::read_to_string(folder.path().join("out/mill/report.html")).unwrap();
+    assert_eq!(page.contains("http-equiv=\"refresh\""), code.is_none());
+    assert_eq!(page.contains("Ended early"), code.is_some());
     let Some(code) = code else { return };
     assert_code(&output, code);
     assert!(time < Duration::from_secs(2), "{time:?}");
