@@ -35,6 +35,8 @@ pub(crate) struct Board {
     pub(crate) broken: bool,
     /// Set once the listener knows that the campaign waits for another.
     pub(crate) told_of_others: bool,
+    /// Since when others do all that is left.
+    pub(crate) waiting_since: Option<Instant>,
 }
 
 /// A job that another campaign has claimed.
@@ -100,7 +102,22 @@ impl Board {
 
     /// Whether others do all that is left.
     pub(crate) fn waits_for_others(&self) -> bool {
-        self.waiting.is_empty() && self.asking.is_empty() && self.running.is_empty()
+        self.waiting.is_empty() && self.running.is_empty()
+    }
+
+    /// Keeps the time since when others do all that is left.
+    pub(crate) fn note_waiting(&mut self) {
+        self.waiting_since = self
+            .waits_for_others()
+            .then(|| self.waiting_since.unwrap_or_else(Instant::now));
+    }
+
+    /// Whether others have done all that is left for longer than the limit.
+    pub(crate) fn has_waited_for(&self, limit: Option<Duration>) -> bool {
+        let since = self.waiting_since.filter(|_| !self.elsewhere.is_empty());
+        since
+            .zip(limit)
+            .is_some_and(|(since, limit)| since.elapsed() >= limit)
     }
 
     /// What is left of the list and of the loop. The runs of other campaigns count as running, since they were met.

@@ -1,6 +1,6 @@
 //! What can go wrong in a campaign.
 
-use crate::{ExecutorError, RunRequest, SimulatorError};
+use crate::{RunRequest, SimulatorError};
 
 /// Why a campaign did not give all its records.
 #[derive(Debug, thiserror::Error)]
@@ -49,9 +49,16 @@ pub enum Error {
         /// The store's reason.
         source: crate::run_store::Error,
     },
-    /// The runs could not be done elsewhere.
-    #[error("the runs cannot go on; finished runs are stored and will be reused")]
-    Executor(#[from] ExecutorError),
+    /// The limit of [`crate::Campaign::with_wait`] was reached.
+    #[error(
+        "waited for {n_left} of {n_runs} runs that other processes do in the same folder; they go on"
+    )]
+    Waited {
+        /// Number of runs that others do.
+        n_left: usize,
+        /// Number of different runs in the campaign.
+        n_runs: usize,
+    },
 }
 
 /// An error with its causes, as one line; a cause that the text tells already is not told again.

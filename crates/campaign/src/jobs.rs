@@ -3,7 +3,7 @@
 use crate::run_store::Record;
 use std::collections::BTreeMap;
 
-use crate::{Error, PendingRun, RunRequest, Simulator, SimulatorError};
+use crate::{Error, RunRequest, Simulator, SimulatorError};
 
 /// A run that the campaign asks for, whoever asked and how often.
 #[derive(Debug)]
@@ -26,15 +26,6 @@ pub(crate) struct JobList {
 }
 
 impl Job {
-    /// The run as others hear of it.
-    pub(crate) fn pending(&self) -> PendingRun<'_> {
-        PendingRun {
-            request: &self.request,
-            key: self.blank.key(),
-            cost: self.cost,
-        }
-    }
-
     /// Names the request in an error of the store.
     pub(crate) fn store_error(&self, source: crate::run_store::Error) -> Error {
         Error::Store {

@@ -42,8 +42,6 @@
 mod board;
 mod claims;
 mod error;
-mod executor;
-mod handover;
 mod jobs;
 mod pace;
 mod progress;
@@ -56,7 +54,6 @@ mod time_left;
 mod workers;
 
 pub use error::{Error, in_full};
-pub use executor::{Executor, ExecutorError, PendingRun, RunEvent};
 pub use pace::Pace;
 pub use progress::{LineProgress, Progress, ProgressState, Silent, range_in_words, time_in_words};
 pub use request::{RunOutcome, RunRequest};

@@ -3,9 +3,9 @@
 use crate::run_store::{Lookup, Record};
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::board::{Board, Failure};
+use crate::board::Board;
 use crate::jobs::Job;
-use crate::{Campaign, Error, SimulatorError};
+use crate::{Campaign, Error};
 
 /// How often a record is looked up that others replace meanwhile.
 const LOOKS: usize = 4;
@@ -36,21 +36,6 @@ impl Campaign<'_> {
         Ok(None)
     }
 
-    /// The record of a job that was done elsewhere.
-    pub(crate) fn found(&self, job: &Job) -> Result<Record, Failure> {
-        let reason = match self.store.get(job.blank.key()).map_err(Failure::Store)? {
-            Lookup::Found(record) => return Ok(record),
-            Lookup::Absent => "it was told as done, and the store has no record of it".to_owned(),
-            Lookup::Damaged { path, reason } => {
-                format!(
-                    "it was told as done, and {} is not its record: {reason}; start again, and it is set aside",
-                    path.display()
-                )
-            }
-        };
-        Err(Failure::Simulator(SimulatorError::Failed { reason }))
-    }
-
     /// Finds what the store has, and orders the rest, longest first.
     pub(crate) fn look_up(&self, jobs: &[Job]) -> Result<Board, Error> {
         let mut results = Vec::with_capacity(jobs.len());
@@ -74,6 +59,7 @@ impl Campaign<'_> {
             results,
             broken: false,
             told_of_others: false,
+            waiting_since: None,
         })
     }
 }

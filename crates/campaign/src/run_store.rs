@@ -30,6 +30,7 @@ mod canonical;
 mod claim;
 mod disk;
 mod error;
+mod failures;
 mod folder;
 mod machine;
 mod names;

@@ -11,7 +11,7 @@ use crate::claims::Keeper;
 use crate::jobs::{Job, JobList};
 use crate::time_left::end_of_last;
 use crate::workers::Hall;
-use crate::{Error, Executor, Pace, Progress, RunRequest, Simulator};
+use crate::{Error, Pace, Progress, RunRequest, Simulator};
 
 /// Runs lists of requests against a store.
 #[derive(Clone, Copy)]
@@ -26,8 +26,8 @@ pub struct Campaign<'a> {
     pub(crate) stop: Option<&'a AtomicBool>,
     /// What the lists of one loop measured so far, and what is ahead of them; each list stands alone where absent.
     pub(crate) pace: Option<&'a Pace>,
-    /// Does the runs in place of the threads of this process.
-    pub(crate) executor: Option<&'a dyn Executor>,
+    /// Longest wait for the runs of others; `None` is without limit.
+    pub(crate) wait: Option<Duration>,
     /// Time after which the claim on a run is dead that nobody renews.
     pub(crate) claim_life: Duration,
 }
@@ -51,7 +51,7 @@ impl<'a> Campaign<'a> {
             progress,
             stop: None,
             pace: None,
-            executor: None,
+            wait: None,
             claim_life: CLAIM_LIFE,
         }
     }
@@ -87,10 +87,11 @@ impl<'a> Campaign<'a> {
         end_of_last(vec![0.0; self.threads.max(1)], costs)
     }
 
-    /// Has the runs done elsewhere than on the threads of this process.
+    /// Limits the time that this campaign waits, without a run of its own, for runs that others do in the same folder; by
+    /// default it waits for their end. A limit below [`CLAIM_LIFE`] would leave the runs of a machine that died to nobody.
     #[must_use]
-    pub fn with_executor(mut self, executor: &'a dyn Executor) -> Self {
-        self.executor = Some(executor);
+    pub fn with_wait(mut self, wait: Option<Duration>) -> Self {
+        self.wait = wait;
         self
     }
 
@@ -110,8 +111,8 @@ impl<'a> Campaign<'a> {
     /// # Errors
     ///
     /// [`Error::Refused`] when a request stands for no run, before anything is run; [`Error::Run`] when runs failed,
-    /// after all others were done; [`Error::Stopped`] when the flag was raised before the end; [`Error::Store`] when
-    /// the store cannot be read or written.
+    /// after all others were done; [`Error::Stopped`] when the flag was raised before the end; [`Error::Waited`] when the limit
+    /// of [`Campaign::with_wait`] was reached; [`Error::Store`] when the store cannot be read or written.
     pub fn run_all(
         &self,
         simulator: &dyn Simulator,
@@ -172,15 +173,11 @@ impl<'a> Campaign<'a> {
         let own = Pace::new();
         let pace = self.pace.unwrap_or(&own);
         pace.begin_list(self.length_of(jobs.iter().map(|job| job.cost)));
-        let mut board = self.look_up(jobs)?;
+        let board = self.look_up(jobs)?;
         for (job, result) in jobs.iter().zip(&board.results) {
             if let Some(result) = result {
                 self.tell_end(job, result);
             }
-        }
-        if let Some(executor) = self.executor {
-            self.have_done(executor, jobs, &mut board, pace)?;
-            return Ok(board.results);
         }
         let workers = self.threads.min(board.waiting.len());
         let board = Mutex::new(board);
@@ -195,6 +192,12 @@ impl<'a> Campaign<'a> {
         };
         self.work_all(&hall, workers);
         let board = board.into_inner().unwrap_or_else(PoisonError::into_inner);
+        if board.has_waited_for(self.wait) {
+            return Err(Error::Waited {
+                n_left: board.elsewhere.len(),
+                n_runs: jobs.len(),
+            });
+        }
         Ok(board.results)
     }
 }

@@ -52,6 +52,12 @@ pub enum SimulatorError {
         /// What happened.
         reason: String,
     },
+    /// The run failed in another process that shares the folder.
+    #[error("{reason}")]
+    FailedElsewhere {
+        /// The process, and what happened there.
+        reason: String,
+    },
     /// The simulator panicked, which is a bug of its.
     #[error("the simulator panicked: {message}")]
     Panicked {

@@ -31,6 +31,8 @@ enum Outcome {
     Found(Record),
     /// Another campaign does it.
     Elsewhere(Holder),
+    /// Another campaign has tried it in vain.
+    Failed(Failure),
     /// It was run, in so many seconds.
     Ran(Result<Record, Failure>, f64),
     /// The store could not be read.
@@ -83,7 +85,8 @@ impl Campaign<'_> {
     /// Decides what a worker does next.
     fn next(&self, hall: &Hall<'_>) -> Next {
         let mut board = lock(hall.board);
-        if self.must_stop(&board) {
+        board.note_waiting();
+        if self.must_stop(&board) || board.has_waited_for(self.wait) {
             return Next::End;
         }
         if let Some(i) = board.waiting.pop_front() {
@@ -130,7 +133,7 @@ impl Campaign<'_> {
         let result = match outcome {
             Outcome::Elsewhere(holder) => {
                 board.elsewhere.push(Elsewhere::met(i, before));
-                if board.waits_for_others() && !board.told_of_others {
+                if board.waits_for_others() && board.asking.is_empty() && !board.told_of_others {
                     board.told_of_others = true;
                     self.progress.warning(&format!(
                         "waiting for {} runs that others do in this folder, such as {holder}",
@@ -143,6 +146,7 @@ impl Campaign<'_> {
                 board.reused += 1;
                 Ok(record)
             }
+            Outcome::Failed(failure) => Err(failure),
             // Broken off by the flag: not done, and no failure of its own.
             Outcome::Ran(Err(Failure::Simulator(_)), _) if self.is_stopped() => return,
             Outcome::Ran(result, time_s) => {
@@ -182,10 +186,20 @@ impl Campaign<'_> {
                 Ok(None) => {}
                 Err(why) => return Outcome::Unreadable(why),
             }
+            // Or have failed: the same inputs fail again.
+            if let Some(reason) = self.store.failure(job.blank.key()) {
+                let failure = SimulatorError::FailedElsewhere { reason };
+                return Outcome::Failed(Failure::Simulator(failure));
+            }
         }
         begin();
         let start = Instant::now();
         let result = self.run_and_store(hall.simulator, job);
+        if let Err(Failure::Simulator(error)) = &result
+            && !self.is_stopped()
+        {
+            self.store.note_failure(job.blank.key(), &error.in_full());
+        }
         Outcome::Ran(result, start.elapsed().as_secs_f64())
     }
 

@@ -228,20 +228,90 @@ fn a_run_that_was_finished_just_before_its_claim_is_not_repeated() {
     assert!(hidden(folder.path()).is_empty(), "a claim is left");
 }
 
-/// A run that fails is given back.
+/// A process that shares the folder does not repeat a run that has failed in another, and reports its reason. Called again, or
+/// opened later, a campaign tries it again.
 #[test]
-fn a_failed_run_is_claimed_no_more() {
+fn a_failed_run_is_not_repeated_by_those_who_share_the_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let [first, second] = [0, 1].map(|_| Store::open(folder.path()).unwrap());
+    let toy = Toy::default();
+    let attempt = |store: &Store| {
+        let campaign = Campaign::new(store, 1, &Silent);
+        let error = campaign.run_all(&toy, &requests(1, 13.0)).unwrap_err();
+        assert!(
+            hidden(folder.path())
+                .iter()
+                .all(|name| name.ends_with(".failed")),
+            "a claim is left"
+        );
+        (toy.runs.load(Ordering::SeqCst), error)
+    };
+    assert_eq!([attempt(&first).0, attempt(&first).0], [1, 2]);
+    let (runs, error) = attempt(&second);
+    assert_eq!(runs, 2, "it was repeated");
+    let Error::Run {
+        source,
+        n_failed: 1,
+        ..
+    } = error
+    else {
+        panic!("{error}");
+    };
+    assert!(
+        matches!(source, SimulatorError::FailedElsewhere { .. }),
+        "{source}"
+    );
+    assert!(source.to_string().contains("the drum is empty"), "{source}");
+    let later = Store::open(folder.path()).unwrap();
+    assert_eq!(attempt(&later).0, 3);
+    // Its failure, too, is news to the second.
+    assert_eq!(attempt(&second).0, 3);
+}
+
+/// The note on a failed run goes once the run has a record.
+#[test]
+fn the_note_on_a_run_that_succeeds_later_goes() {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::open(folder.path()).unwrap();
     let list = requests(1, 13.0);
-    let toy = Toy::default();
-    let campaign = Campaign::new(&store, 1, &Silent);
-    for runs in 1..=2 {
-        let error = campaign.run_all(&toy, &list).unwrap_err();
-        assert!(matches!(error, Error::Run { n_failed: 1, .. }), "{error}");
-        assert_eq!(toy.runs.load(Ordering::SeqCst), runs);
-        assert!(hidden(folder.path()).is_empty(), "a claim is left");
-    }
+    Campaign::new(&store, 1, &Silent)
+        .run_all(&Toy::default(), &list)
+        .unwrap_err();
+    let note = hidden(folder.path());
+    assert_eq!(note.len(), 1, "{note:?}");
+    let record = campaign::run_store::Record::new("toy 1", list[0].inputs(), 0).unwrap();
+    store.put(&record).unwrap();
+    Store::open(folder.path()).unwrap();
+    assert!(hidden(folder.path()).is_empty());
+}
+
+/// A campaign whose remaining runs others do ends at its limit, 0.3 s, after it has done its own; a worker looks at the latest
+/// 0.2 s later, and the rest is for a busy machine.
+#[test]
+fn a_campaign_waits_for_others_no_longer_than_its_limit() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let list = requests(3, 1.0);
+    leave_claim(&store, &list[1], Duration::from_mins(1));
+    let (toy, limit) = (Toy::default(), Duration::from_millis(300));
+    let begin = Instant::now();
+    let error = Campaign::new(&store, 2, &Silent)
+        .with_wait(Some(limit))
+        .run_all(&toy, &list)
+        .unwrap_err();
+    assert!(
+        matches!(
+            error,
+            Error::Waited {
+                n_left: 1,
+                n_runs: 3
+            }
+        ),
+        "{error}"
+    );
+    assert_eq!(toy.runs.into_inner(), 2);
+    let took = begin.elapsed();
+    assert!(took >= limit && took < limit * 10, "{took:?}");
 }
 
 /// Where runs cannot be claimed they are done all the same; the listener hears of it once.

@@ -1,8 +1,7 @@
 //! A design table as the runs of one scene.
 //!
-//! [`DesignTable::read`] turns a table, a scene and a few choices into a simulator and its requests; nothing else is
-//! needed to make both again, so that another process can do the runs. All that is wrong with the table is told at
-//! once, before any run.
+//! [`DesignTable::read`] turns a table, a scene and a few choices into a simulator and its requests. It reports all mistakes of the
+//! table at once, before any run.
 
 mod bind;
 mod cells;
@@ -21,7 +20,6 @@ use experiment_design::Factor;
 use experiment_design::table::{Table, factors_from_table};
 use rows::Asked;
 use scene::{Override, Scene};
-use serde::{Deserialize, Serialize};
 use simulators::scene_simulator::{Binding, SceneSimulator, read_scene};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -32,31 +30,24 @@ pub use plan::DesignPlan;
 const MOST_RUNS: usize = 1_000_000;
 
 /// Everything that the runs of a design table follow from.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct DesignChoices {
     /// The table: one row for each run or cell of repeated runs.
     pub design: PathBuf,
     /// The scene that is run.
     pub scene: PathBuf,
     /// Table of the factors, where a column holds coded values alone or a factor has a unit.
-    #[serde(default)]
     pub factors: Option<PathBuf>,
     /// Which settings a column sets: `COLUMN=PATH[,PATH]`, with the unit of plain numbers behind: `W=rpm`,
     /// `W=apparatus.speed [rpm]`.
-    #[serde(default)]
     pub bind: Vec<String>,
     /// Parameters of a calibration, set in all runs before `set`.
-    #[serde(default)]
     pub set_file: Option<PathBuf>,
     /// Changes of the scene, the same in all runs: `NAME=VALUE`.
-    #[serde(default)]
     pub set: Vec<String>,
     /// Columns that set nothing.
-    #[serde(default)]
     pub keep: Vec<String>,
     /// Runs of each row where the table has no column `replicates`; 1 where absent.
-    #[serde(default)]
     pub replicates: Option<usize>,
     /// Seed of the first run where the table has no column `seed`; the others take those that follow.
     pub seed: u64,

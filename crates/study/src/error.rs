@@ -83,6 +83,17 @@ impl From<simulators::scene_simulator::Error> for Error {
     }
 }
 
+impl Error {
+    /// Whether the process has waited for the runs of others as long as it may.
+    pub fn has_waited(&self) -> bool {
+        let (Self::Campaign(error) | Self::Calibration(inference::Error::Campaign(error))) = self
+        else {
+            return false;
+        };
+        matches!(error, campaign::Error::Waited { .. })
+    }
+}
+
 /// All problems, one a line.
 fn told(list: &[Problem]) -> String {
     if let [one] = list {

@@ -17,7 +17,6 @@ use crate::document::{Document, Fields, below};
 use crate::keys;
 use crate::plausible::wrong_name;
 use crate::problem::Problems;
-use batch_runner::BatchSettings;
 use inference::{Prior, Role};
 use serde::Serialize;
 use simulators::external_simulator::DrumDescription;
@@ -244,8 +243,6 @@ pub struct StudyFile {
     pub name: String,
     /// Who does the runs.
     pub simulator: SimulatorEntry,
-    /// How its runs are done as jobs of a batch system, where they are.
-    pub runner: BatchSettings,
     /// Effects that a program of the user has.
     pub effects: Vec<EffectEntry>,
     /// Scenes.
@@ -337,7 +334,6 @@ impl StudyFile {
             name,
             scenes,
             simulator,
-            runner: runner(&root, problems),
             effects,
             parameters,
             coarse_graining: coarse_graining::coarse_graining(&root, problems),
@@ -403,26 +399,6 @@ fn folder_name(name: &str) -> Option<String> {
     }
     (name.starts_with('.') || !name.chars().all(usable)).then(|| {
         "names the result folder: take letters, digits, '-', '_', '.' and blanks".to_owned()
-    })
-}
-
-/// The `[runner]` table; what is invalid is told.
-fn runner(root: &Fields<'_>, problems: &mut Problems) -> BatchSettings {
-    let Some(table) = root.table("runner", problems) else {
-        return BatchSettings::default();
-    };
-    let read = table.table.clone().try_into::<BatchSettings>();
-    let checked = match read {
-        Ok(settings) => settings
-            .check()
-            .map(|()| settings)
-            .map_err(|e| e.to_string()),
-        Err(error) => Err(error.message().replace('\n', ", ")),
-    };
-    checked.unwrap_or_else(|reason| {
-        let document = root.document;
-        problems.add(document.problem(&table.path, "[runner]:", reason));
-        BatchSettings::default()
     })
 }
 

@@ -21,8 +21,8 @@ pub struct StarterFile {
 }
 
 impl Starter {
-    /// The study and its scene.
-    pub const fn files(self) -> [StarterFile; 2] {
+    /// The study, its scene, and the job script of a cluster.
+    pub const fn files(self) -> [StarterFile; 3] {
         let (study, scene, name) = match self {
             Self::Drum => (
                 include_str!("init/drum-study.toml"),
@@ -46,6 +46,10 @@ impl Starter {
                 text: study,
             },
             StarterFile { name, text: scene },
+            StarterFile {
+                name: "cluster.sh",
+                text: include_str!("init/cluster.sh"),
+            },
         ]
     }
 }

@@ -1,10 +1,9 @@
 //! Every key of the study file.
 
 /// Keys of the file itself.
-pub(crate) const STUDY: [&str; 15] = [
+pub(crate) const STUDY: [&str; 14] = [
     "name",
     "simulator",
-    "runner",
     "effect",
     "scene",
     "parameter",

@@ -7,13 +7,14 @@ use crate::run_remarks;
 use crate::spent::Spending;
 use crate::{DiagnosisResult, Error, Study, StudyResult, StudySimulator};
 use campaign::run_store::{Lookup, Record, Store};
-use campaign::{Campaign, Executor, Pace, Progress, Simulator};
+use campaign::{Campaign, Pace, Progress, Simulator};
 use inference::{Calibration, LoopSettings};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
 /// How a study is run.
 #[derive(Clone)]
@@ -31,8 +32,8 @@ pub struct RunSettings<'a> {
     pub stop: &'a Arc<AtomicBool>,
     /// How often [`run_diagnosis`] tries a run again that diverges, see [`StudySimulator::with_retries`].
     pub retries: u32,
-    /// Does the runs in place of the threads of this process.
-    pub executor: Option<&'a dyn Executor>,
+    /// Longest wait for runs that other processes do in the folder, see [`Campaign::with_wait`]; `None` is without limit.
+    pub wait: Option<Duration>,
 }
 
 impl std::fmt::Debug for RunSettings<'_> {
@@ -150,7 +151,7 @@ pub fn run_study(
         not_applicable: study.not_applicable.clone(),
         records,
         calibration,
-        spent: spending.end(settings.own_threads())?,
+        spent: spending.end(settings.threads)?,
     })
 }
 
@@ -206,25 +207,17 @@ pub fn run_diagnosis(
         next,
         defaults: study.defaults.clone(),
         not_applicable: study.not_applicable.clone(),
-        spent: spending.end(settings.own_threads())?,
+        spent: spending.end(settings.threads)?,
     })
 }
 
 impl<'a> RunSettings<'a> {
-    /// Threads of this process that do runs; none where others do them.
-    fn own_threads(&self) -> Option<usize> {
-        self.executor.is_none().then_some(self.threads)
-    }
-
     /// A campaign of these settings.
     fn campaign(&self, store: &'a Store, pace: &'a Pace) -> Campaign<'a> {
-        let campaign = Campaign::new(store, self.threads, self.progress)
+        Campaign::new(store, self.threads, self.progress)
             .with_stop(self.stop)
-            .with_pace(pace);
-        match self.executor {
-            Some(executor) => campaign.with_executor(executor),
-            None => campaign,
-        }
+            .with_pace(pace)
+            .with_wait(self.wait)
     }
 }
 

@@ -24,19 +24,16 @@ impl<'a> Spending<'a> {
         })
     }
 
-    /// What was spent by so many threads of this process; none where others do the runs.
-    pub(crate) fn end(&self, threads: Option<usize>) -> Result<TimeSpent, Error> {
+    /// Cost up to now with this number of threads. The runs of other processes in the folder count as own.
+    pub(crate) fn end(&self, threads: usize) -> Result<TimeSpent, Error> {
         let wall_s = self.begin.elapsed().as_secs_f64();
         let (core_s, phases) = core_seconds(self.store)?;
-        let waiting = |threads: usize| {
-            let idle = threads as f64 * wall_s - (core_s - self.before);
-            idle.max(0.0)
-        };
+        let idle = threads as f64 * wall_s - (core_s - self.before);
         Ok(TimeSpent {
             core_s,
             phases,
             wall_s,
-            waiting_s: threads.map(waiting),
+            waiting_s: Some(idle.max(0.0)),
         })
     }
 }

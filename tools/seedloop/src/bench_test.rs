@@ -1,16 +1,19 @@
 //! `seedloop bench-test`: contact parameters from the bench, measured or simulated.
 
+mod measured;
+mod summary;
+
 use crate::simulate::read_scene;
 use anyhow::{Context as _, ensure};
-use bench_test::measured::{Test, coefficients};
-use bench_test::{Summary, summarise};
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, significant};
 use input::quantity::Length;
+use measured::{Test, coefficients};
 use scene::{Apparatus, Drop, FillingLibrary, RunResult, Slider, Tilt};
 use serde::Serialize;
 use simulators::scene_simulator::ReadScene;
 use std::path::{Path, PathBuf};
+use summary::{Summary, summarise};
 
 /// Height of a drop if none is given, mm.
 const HEIGHT_MM: f64 = 200.0;

@@ -4,13 +4,12 @@ mod report;
 mod text;
 
 use crate::enter::{enter, require_memory, work_of};
-use crate::runner::{Retries, Runner, whole};
+use crate::run_flags::{Retries, Wait, finished};
 use crate::running;
 use crate::stop::Stop;
-use crate::work::Job;
 use ::report::Tone;
 use anyhow::Context as _;
-use campaign::{Executor, LineProgress};
+use campaign::LineProgress;
 use command_line::{Common, DONE, NOT_MET, Overwrite, try_folder};
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
@@ -55,12 +54,11 @@ pub(crate) struct Arguments {
     #[arg(long)]
     report_files: bool,
 
-    /// Who does the runs; jobs are set by the table `[runner]` of the study
-    #[arg(long, value_enum, value_name = "RUNNER", default_value_t)]
-    runner: Runner,
-
     #[command(flatten)]
     retries: Retries,
+
+    #[command(flatten)]
+    wait: Wait,
 }
 
 /// Runs the loop and writes the result folder.
@@ -105,8 +103,6 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
         running::of_study(title, &study, &price.stages),
         &lines,
     );
-    let job = |folder: &Path| of_study(&study, folder, retries);
-    let executor = (arguments.runner).executor(job, &folder, &study.file.runner, common)?;
     let settings = RunSettings {
         seed: arguments.seed,
         threads: common.threads(),
@@ -114,7 +110,7 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
         progress: &page,
         stop: stop.flag(),
         retries,
-        executor: executor.as_ref().map(|e| e as &dyn Executor),
+        wait: arguments.wait.limit(),
     };
     let announce = |stage: &str| {
         page.announce(stage);
@@ -127,7 +123,7 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
         common.print(format!("refused: {refused}"))?;
         return Ok(NOT_MET);
     }
-    let mut result = match stop.result(done)? {
+    let mut result = match finished(&stop, done)? {
         Ok(result) => result,
         Err(code) => return Ok(code),
     };
@@ -142,20 +138,6 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
         DONE
     } else {
         NOT_MET
-    })
-}
-
-/// What the jobs of a study work on, with the result folder.
-///
-/// # Errors
-///
-/// A study file that is gone.
-pub(crate) fn of_study(study: &Study, folder: &Path, retries: u32) -> anyhow::Result<Job> {
-    Ok(Job::Study {
-        retries,
-        study: whole(&study.path)?,
-        profile: study.profile.clone(),
-        folder: folder.to_owned(),
     })
 }
 

@@ -1,6 +1,6 @@
 //! `seedloop diagnose`: what a residual says of missing effects.
 
-use crate::runner::{Retries, Runner};
+use crate::run_flags::{Retries, Wait};
 use crate::{diagnose_problem, diagnose_study};
 use anyhow::ensure;
 use command_line::{Common, DONE, Header, NOT_MET, significant};
@@ -45,12 +45,11 @@ pub(crate) struct Arguments {
     #[arg(long)]
     report_files: bool,
 
-    /// Who does the runs; for studies; jobs are set by the table `[runner]` of the study
-    #[arg(long, value_enum, value_name = "RUNNER", default_value_t)]
-    runner: Runner,
-
     #[command(flatten)]
     retries: Retries,
+
+    #[command(flatten)]
+    wait: Wait,
 
     /// Say what would be run, and run nothing
     #[arg(long)]
@@ -91,8 +90,8 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
             resume: arguments.resume,
             extent: Extent::with_parts(arguments.report_files),
             plan_only: arguments.plan,
-            runner: arguments.runner,
             retries: arguments.retries.number,
+            wait: arguments.wait.limit(),
         };
         return diagnose_study::run(path, &options, common);
     }
@@ -101,11 +100,11 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         || arguments.profile.is_some()
         || arguments.resume
         || arguments.report_files
-        || arguments.runner != Runner::Local
+        || arguments.wait.limit().is_some()
         || arguments.plan;
     ensure!(
         !of_study,
-        "--out, --resume, --plan, --profile, --from, --report-files and --runner are for studies (.toml): {} is a problem, which needs no runs",
+        "--out, --resume, --plan, --profile, --from, --report-files and --wait are for studies (.toml): {} is a problem, which needs no runs",
         path.display()
     );
     let diagnosis = diagnose_problem::run(path, arguments.seed)?;

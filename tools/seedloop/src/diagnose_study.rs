@@ -4,21 +4,22 @@ mod next;
 mod power;
 mod report;
 
-use crate::calibrate::{of_study, progress_lines, refuse_used_folder};
+use crate::calibrate::{progress_lines, refuse_used_folder};
 use crate::diagnose::{evidence_text, exit_code};
 use crate::enter::{enter, require_memory, work_of};
-use crate::runner::Runner;
+use crate::run_flags::finished;
 use crate::running;
 use crate::stop::Stop;
 use ::report::Tone;
 use anyhow::Context as _;
-use campaign::{Executor, range_in_words};
+use campaign::range_in_words;
 use command_line::{Common, DONE, NOT_MET, significant, try_folder};
 use inference::diagnosis::Diagnosis;
 use inference::{CalibrationProblem, DiagnosisStage, ResidualStudy};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use study::{
     DiagnosisPrice, DiagnosisResult, RunSettings, StagePrice, Study, plan_diagnosis, run_diagnosis,
     write_json, write_result,
@@ -42,10 +43,10 @@ pub(crate) struct Options {
     pub(crate) extent: Extent,
     /// Whether nothing is to be run.
     pub(crate) plan_only: bool,
-    /// Who does the runs.
-    pub(crate) runner: Runner,
     /// How often a run that diverges is tried again.
     pub(crate) retries: u32,
+    /// Longest wait for runs of other processes.
+    pub(crate) wait: Option<Duration>,
 }
 
 /// The answer as it stands in JSON: the keys of a diagnosis, then the whole result.
@@ -118,8 +119,6 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
     let page = RunningPage::begin(&folder, running::of_study(title, &study, stages), &lines);
     page.announce(&price.stage.stage);
     let stop = Stop::of_runs(&folder)?;
-    let job = |folder: &Path| of_study(&study, folder, options.retries);
-    let executor = (options.runner).executor(job, &folder, &study.file.runner, common)?;
     let settings = RunSettings {
         seed: options.seed,
         threads: common.threads(),
@@ -127,10 +126,10 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         progress: &page,
         stop: stop.flag(),
         retries: options.retries,
-        executor: executor.as_ref().map(|e| e as &dyn Executor),
+        wait: options.wait,
     };
     let done = run_diagnosis(&study, &at, &settings);
-    let result = match stop.result(done)? {
+    let result = match finished(&stop, done)? {
         Ok(result) => result,
         Err(code) => return Ok(code),
     };

@@ -13,12 +13,11 @@ mod init;
 mod levels;
 mod optimise;
 mod run;
-mod runner;
+mod run_flags;
 mod running;
 mod simulate;
 mod stop;
 mod verify;
-mod work;
 
 use clap::{Parser, Subcommand};
 use command_line::Common;
@@ -70,9 +69,6 @@ enum Command {
     Export(export::Arguments),
     /// Checks the solver against mechanics and prints the table
     Verify(verify::Arguments),
-    /// Does the runs of one task that --runner has submitted; batch systems call it
-    #[command(hide = true)]
-    Work(work::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -89,6 +85,5 @@ fn main() -> ExitCode {
         Command::BenchTest(arguments) => bench_test::run(arguments),
         Command::Export(arguments) => export::run(arguments),
         Command::Verify(arguments) => verify::run(arguments),
-        Command::Work(arguments) => work::run(arguments),
     })
 }

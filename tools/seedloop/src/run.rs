@@ -2,10 +2,9 @@
 
 use crate::calibrate::{progress_lines, refuse_used_folder};
 use crate::enter::{enter, require_memory, work_of};
-use crate::runner::{Retries, Runner, runner_settings, whole};
+use crate::run_flags::{Retries, Wait, finished};
 use crate::simulate::{all_written, log_warnings};
 use crate::stop::Stop;
-use crate::work::Job;
 use anyhow::Context as _;
 use campaign::run_store::{Observation, Record, Store};
 use campaign::{Campaign, time_in_words};
@@ -16,7 +15,7 @@ use serde::Serialize;
 use simulators::scene_simulator::no_surface_of;
 use std::collections::BTreeMap;
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use study::{DesignChoices, DesignPlan, DesignRun, DesignTable};
 use study_report::{RunningCampaign, RunningPage};
 
@@ -78,16 +77,11 @@ pub(crate) struct Arguments {
     #[arg(long)]
     resume: bool,
 
-    /// Who does the runs
-    #[arg(long, value_enum, value_name = "RUNNER", default_value_t)]
-    runner: Runner,
-
     #[command(flatten)]
     retries: Retries,
 
-    /// File with the table `[runner]`, the settings of jobs, such as a study
-    #[arg(long, value_name = "FILE.toml")]
-    runner_settings: Option<PathBuf>,
+    #[command(flatten)]
+    wait: Wait,
 
     #[command(flatten)]
     common: Common,
@@ -178,15 +172,10 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     };
     let page = RunningPage::begin(&folder, campaign, &lines);
     let simulator = simulator.with_stop(stop.flag());
-    let campaign = Campaign::new(&store, common.threads(), &page).with_stop(stop.flag());
-    let settings = runner_settings(arguments.runner_settings.as_deref())?;
-    let job = |folder: &Path| job(arguments, folder);
-    let executor = arguments.runner.executor(job, &folder, &settings, common)?;
-    let campaign = match &executor {
-        Some(executor) => campaign.with_executor(executor),
-        None => campaign,
-    };
-    let outcomes = match stop.result(table.run(&campaign, &simulator))? {
+    let campaign = Campaign::new(&store, common.threads(), &page)
+        .with_stop(stop.flag())
+        .with_wait(arguments.wait.limit());
+    let outcomes = match finished(&stop, table.run(&campaign, &simulator))? {
         Ok(outcomes) => outcomes,
         Err(code) => return Ok(code),
     };
@@ -230,37 +219,6 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         }),
     ])?;
     Ok(if failed + refused == 0 { DONE } else { NOT_MET })
-}
-
-/// What the jobs of the table work on; all paths from the root.
-fn job(arguments: &Arguments, folder: &Path) -> anyhow::Result<Job> {
-    let mut choices = choices(arguments);
-    choices.scene = whole(&choices.scene)?;
-    if let Some(file) = &mut choices.set_file {
-        *file = whole(file)?;
-    }
-    for table in [&mut choices.design]
-        .into_iter()
-        .chain(&mut choices.factors)
-    {
-        *table = whole_table(table)?;
-    }
-    Ok(Job::Design {
-        retries: arguments.retries.number,
-        choices,
-        folder: folder.to_owned(),
-    })
-}
-
-/// The path of a table from the root, with the sheet that it names.
-fn whole_table(table: &Path) -> anyhow::Result<PathBuf> {
-    let file = table_file::file_of(table);
-    let mut path = whole(&file)?.into_os_string();
-    let sheet = table.as_os_str().as_encoded_bytes();
-    if let Some(sheet) = sheet.strip_prefix(file.as_os_str().as_encoded_bytes()) {
-        path.push(String::from_utf8_lossy(sheet).as_ref());
-    }
-    Ok(path.into())
 }
 
 /// What the runs follow from.

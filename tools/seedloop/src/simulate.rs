@@ -6,7 +6,7 @@ mod single_run;
 mod state_file;
 
 use crate::enter::{keep_run, require_memory};
-use crate::runner::Retries;
+use crate::run_flags::Retries;
 use crate::stop::Stop;
 use anyhow::{Context as _, anyhow, ensure};
 use base64::Engine as _;

@@ -6,8 +6,6 @@
 mod answers;
 #[path = "command/apparatus.rs"]
 mod apparatus;
-#[path = "command/batch.rs"]
-mod batch;
 #[path = "command/calibration.rs"]
 mod calibration;
 #[path = "command/comparisons.rs"]

@@ -1,5 +1,6 @@
 //! The folder of a store: its files, its clock, and what dead writers left in it.
 
+use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -31,6 +32,8 @@ pub(crate) struct Folder {
     pub(crate) machine: Machine,
     /// What its files are written with.
     pub(crate) disk: Disk,
+    /// Notes on failed runs that are no news, by key: the time of those met at the opening, and of own ones.
+    pub(crate) failures: Mutex<BTreeMap<String, Duration>>,
     /// Last look at the clock of the file system: its time, and when the look was.
     clock: Mutex<Option<(Duration, Instant)>>,
 }
@@ -43,6 +46,7 @@ impl Folder {
             path: path.to_owned(),
             disk,
             machine: Machine::this(),
+            failures: Mutex::default(),
             clock: Mutex::default(),
         };
         for path in folder.paths()? {
@@ -51,6 +55,8 @@ impl Folder {
             } else if let Some(key) = names::claimed_key_of(&path) {
                 // What is left here is in nobody's way: who wants the run finds the claim dead.
                 let _ = folder.sweep_claim(key, FOREIGN_AGE);
+            } else if let Some(key) = names::failed_key_of(&path) {
+                folder.know_failure(key);
             }
         }
         Ok(folder)

@@ -9,6 +9,8 @@ use std::path::{Path, PathBuf};
 const RECORD_ENDING: &str = ".json";
 /// Ending of a claim.
 const CLAIM_ENDING: &str = ".claim";
+/// Ending of a note on a run that failed.
+const FAILURE_ENDING: &str = ".failed";
 /// Ending of a file that is being written.
 const ASIDE_ENDING: &str = ".aside";
 /// Follows the name of a record that was set aside.
@@ -27,6 +29,11 @@ pub(crate) fn record(folder: &Path, key: &str) -> PathBuf {
 /// The claim of a key.
 pub(crate) fn claim(folder: &Path, key: &str) -> PathBuf {
     folder.join(format!(".{key}{CLAIM_ENDING}"))
+}
+
+/// The note on the failed run of a key.
+pub(crate) fn failure(folder: &Path, key: &str) -> PathBuf {
+    folder.join(format!(".{key}{FAILURE_ENDING}"))
 }
 
 /// A file that is being written, or kept for a moment, by a process of a machine.
@@ -66,9 +73,19 @@ pub(crate) fn key_of(path: &Path) -> Option<&str> {
 
 /// The key in the name of a claim.
 pub(crate) fn claimed_key_of(path: &Path) -> Option<&str> {
+    hidden_key_of(path, CLAIM_ENDING)
+}
+
+/// The key in the name of a note on a failed run.
+pub(crate) fn failed_key_of(path: &Path) -> Option<&str> {
+    hidden_key_of(path, FAILURE_ENDING)
+}
+
+/// The key in the name of a hidden file with an ending.
+fn hidden_key_of<'p>(path: &'p Path, ending: &str) -> Option<&'p str> {
     name(path)?
         .strip_prefix('.')?
-        .strip_suffix(CLAIM_ENDING)
+        .strip_suffix(ending)
         .filter(|key| is_key(key))
 }
 
@@ -106,7 +123,7 @@ pub(crate) fn damaged_name(path: &Path) -> Option<&str> {
 #[cfg(test)]
 mod tests {
     use super::{aside, claim, claimed_key_of, damaged, is_aside, is_beside_records, key_of};
-    use super::{record, writer_of};
+    use super::{failed_key_of, failure, record, writer_of};
     use std::path::Path;
 
     /// Each kind of name is told from the others, whatever stands before its ending.
@@ -120,6 +137,13 @@ mod tests {
         let claimed = claim(folder, &key);
         assert_eq!(claimed_key_of(&claimed), Some(key.as_str()));
         assert!(is_beside_records(&claimed) && key_of(&claimed).is_none());
+        let failed = failure(folder, &key);
+        assert_eq!(failed_key_of(&failed), Some(key.as_str()));
+        assert_eq!(
+            (claimed_key_of(&failed), failed_key_of(&claimed)),
+            (None, None)
+        );
+        assert!(is_beside_records(&failed) && key_of(&failed).is_none());
         let written = aside(folder, &key, "node-7-0a1b2c3d", 4711, 12);
         assert!(is_aside(&written) && key_of(&written).is_none());
         assert_eq!(writer_of(&written), Some(("node-7-0a1b2c3d", 4711)));

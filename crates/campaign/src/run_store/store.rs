@@ -191,6 +191,21 @@ impl Store {
         }
     }
 
+    /// Leaves a note of why a run gave no record, so that processes that wait for it do not repeat it.
+    pub(crate) fn note_failure(&self, key: &str, reason: &str) {
+        if let Place::Folder(folder) = &self.place {
+            folder.note_failure(key, reason);
+        }
+    }
+
+    /// Why another process gave up a run since this store was opened; `None` if none did.
+    pub(crate) fn failure(&self, key: &str) -> Option<String> {
+        match &self.place {
+            Place::Folder(folder) => folder.failure(key),
+            Place::Memory(_) => None,
+        }
+    }
+
     /// Lists the keys of all record files, sorted; hidden files and those set aside are none.
     ///
     /// # Errors

@@ -1,9 +1,6 @@
 //! What a design table asks for.
 
 use super::folder::{FRICTION, Folder, bound, design};
-use campaign::run_store::Record;
-use campaign::{RunRequest, Simulator as _};
-use study::{DesignChoices, DesignTable};
 
 /// The natural values of a design arrive at the settings, the same at both contacts, to the last bit.
 #[test]
@@ -135,23 +132,4 @@ fn seeds_and_repeats_follow_the_table() {
     let mut folder = Folder::new("rpm\n20\n30\n");
     folder.choices.replicates = Some(3);
     assert_eq!(folder.read().unwrap().runs().len(), 6);
-}
-
-/// Another process that knows the choices alone asks for runs of the same keys.
-#[test]
-fn the_runs_follow_from_the_choices_alone() {
-    let folder = bound(&design());
-    let text = serde_json::to_string(&folder.choices).unwrap();
-    let choices: DesignChoices = serde_json::from_str(&text).unwrap();
-    let keys = |choices: &DesignChoices| -> Vec<String> {
-        let table = DesignTable::read(choices).unwrap();
-        let simulator = table.simulator().unwrap();
-        let key = |request: &RunRequest| {
-            let inputs = simulator.inputs(request).unwrap();
-            let blank = Record::new(&simulator.version(), inputs, request.seed).unwrap();
-            blank.key().to_owned()
-        };
-        table.requests().iter().map(key).collect()
-    };
-    assert_eq!(keys(&choices), keys(&folder.choices));
 }

@@ -70,7 +70,7 @@ fn the_example_reads_and_shows_every_key() {
     }
 }
 
-/// Whether a key says how other codes or batch systems do the runs, or that seeds are coarser than the real ones: the example has the
+/// Whether a key says how other codes do the runs, or that seeds are coarser than the real ones: the example has the
 /// solver here, and effects, which coarse grains leave out.
 fn of_other_codes(kind: &str, key: &str) -> bool {
     let tables = [
@@ -83,7 +83,7 @@ fn of_other_codes(kind: &str, key: &str) -> bool {
         "effect",
         "coarse graining",
     ];
-    tables.contains(&kind) || ["simulator", "runner", "effect", "coarse_graining"].contains(&key)
+    tables.contains(&kind) || ["simulator", "effect", "coarse_graining"].contains(&key)
 }
 
 /// Keys that no example shows together stand in the reference.

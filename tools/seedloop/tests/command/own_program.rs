@@ -69,6 +69,54 @@ fn a_program_of_the_user_is_calibrated() {
     assert!(said.contains("\ndiagnosis: Nothing is missing"), "{said}");
 }
 
+/// Three processes in one folder, as the tasks of a job array: each ends with the result of one process alone to the last bit, but
+/// for times and counts of its own runs, and no run is done twice.
+#[test]
+fn processes_that_share_a_folder_give_the_result_of_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let noted = "import os\n\nopen('../../../begun', 'a').write(os.getcwd() + '\\n')\n";
+    example(folder.path(), "", "");
+    let program = folder.path().join("mill/run.py");
+    let code = fs::read_to_string(&program).unwrap();
+    fs::write(&program, format!("{noted}{code}")).unwrap();
+    let words = [
+        "calibrate",
+        "study.toml",
+        "--threads",
+        "1",
+        "--quiet",
+        "--out",
+    ];
+    assert_code(
+        &seedloop(folder.path(), &[&words[..], &["one"]].concat()),
+        0,
+    );
+    let begun = || fs::read_to_string(folder.path().join("begun")).unwrap();
+    let of_one = begun().lines().count();
+    let tasks: Vec<_> = (0..3)
+        .map(|_| {
+            std::process::Command::new(env!("CARGO_BIN_EXE_seedloop"))
+                .current_dir(folder.path())
+                .args(words)
+                .args(["shared", "--resume"])
+                .stdout(std::process::Stdio::null())
+                .spawn()
+                .unwrap()
+        })
+        .collect();
+    for mut task in tasks {
+        assert_eq!(task.wait().unwrap().code(), Some(0));
+    }
+    let result = |out: &str| {
+        let bytes = fs::read(folder.path().join(out).join("result.json")).unwrap();
+        let mut result: Value = campaign::run_store::unseal(&bytes).unwrap();
+        result.as_object_mut().unwrap().remove("cost");
+        result
+    };
+    assert_eq!(result("shared"), result("one"));
+    assert_eq!(begun().lines().count(), 2 * of_one);
+}
+
 /// One angle of one drum tells `0.75 mu_s + 0.8 mu_r` and no more: what is printed says that both are open, and what is fixed
 /// instead; the factor 0.8 / 0.75 = 1.07 is known to the noise of the runs. That is no success, and the plan says so before any run.
 #[test]

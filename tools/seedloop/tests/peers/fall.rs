@@ -113,7 +113,7 @@ fn restitution_with(factor: f64, restitution: f64) -> f64 {
 }
 
 #[test]
-#[ignore = "runs LAMMPS; `just lammps`"]
+#[ignore = "runs LAMMPS; `trials/programs.sh lammps`"]
 fn lammps_lets_seeds_fall() {
     let command = command("LAMMPS");
     let folder = tempfile::tempdir().expect("a folder");

@@ -71,13 +71,13 @@ fn hand_over(format: &str, variable: &str) {
 }
 
 #[test]
-#[ignore = "runs LAMMPS; `just lammps`"]
+#[ignore = "runs LAMMPS; `trials/programs.sh lammps`"]
 fn lammps_takes_over_the_parameters() {
     hand_over("lammps", "LAMMPS");
 }
 
 #[test]
-#[ignore = "runs LIGGGHTS; `just liggghts`"]
+#[ignore = "runs LIGGGHTS; `trials/programs.sh liggghts`"]
 fn liggghts_takes_over_the_parameters() {
     hand_over("liggghts", "LIGGGHTS");
 }

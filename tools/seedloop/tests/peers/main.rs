@@ -2,7 +2,7 @@
 //!
 //! What the two codes gave for the exported decks is kept in `fixtures/peers`, and every test run holds the bed here to
 //! it. The tests that run the codes themselves are slow and only run where the variables `LAMMPS` and `LIGGGHTS` name
-//! their commands (`just lammps` and `just liggghts` install them and run these tests); they print the rows of the
+//! their commands (`trials/programs.sh lammps` and `trials/programs.sh liggghts` install them and run these tests); they print the rows of the
 //! tables.
 
 mod fall;

@@ -51,13 +51,13 @@ fn compare(peer: Peer, variable: &str) {
 }
 
 #[test]
-#[ignore = "runs LAMMPS; `just lammps`"]
+#[ignore = "runs LAMMPS; `trials/programs.sh lammps`"]
 fn lammps_is_a_simulator() {
     compare(Peer::Lammps, "LAMMPS");
 }
 
 #[test]
-#[ignore = "runs LIGGGHTS; `just liggghts`"]
+#[ignore = "runs LIGGGHTS; `trials/programs.sh liggghts`"]
 fn liggghts_is_a_simulator() {
     compare(Peer::Liggghts, "LIGGGHTS");
 }

@@ -111,7 +111,7 @@ fn compare(variable: &str, code: &str, deck: impl Fn(&Scene, u64) -> Vec<File>) 
 }
 
 #[test]
-#[ignore = "runs LAMMPS for minutes; `just lammps`"]
+#[ignore = "runs LAMMPS for minutes; `trials/programs.sh lammps`"]
 fn bed_of_the_exported_deck_agrees_with_lammps() {
     compare("LAMMPS", "lammps", |scene, seed| {
         let library = FillingLibrary::default();
@@ -121,7 +121,7 @@ fn bed_of_the_exported_deck_agrees_with_lammps() {
 }
 
 #[test]
-#[ignore = "runs LIGGGHTS for minutes; `just liggghts`"]
+#[ignore = "runs LIGGGHTS for minutes; `trials/programs.sh liggghts`"]
 fn bed_of_the_exported_deck_agrees_with_liggghts() {
     compare("LIGGGHTS", "liggghts", |scene, seed| {
         let library = FillingLibrary::default();

@@ -10,16 +10,44 @@
 //!
 //! Sources: `[CottonStudy, eq. 1 and section 2.2]`.
 
-use crate::Error;
 use experiment_design::table::Table;
 
 /// Largest pull over normal force that is believed: the tangent of 80 degrees, at which no seed holds on to another. Our
 /// choice.
 const MOST_FRICTION: f64 = 6.0;
 
+/// Why a table gives no answer.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Error {
+    /// A column is missing.
+    #[error("no column '{column}'; the columns of this test are {known}")]
+    NoColumn {
+        /// The column.
+        column: &'static str,
+        /// What the test reads.
+        known: &'static str,
+    },
+    /// A cell holds no valid number.
+    #[error("{place}: '{text}' must be {requirement}")]
+    Cell {
+        /// Where it stands, in words.
+        place: String,
+        /// The text.
+        text: String,
+        /// What it must be.
+        requirement: &'static str,
+    },
+    /// Too few values.
+    #[error("{count} values are too few for a mean with an interval; at least 2 are needed")]
+    TooFew {
+        /// Their number.
+        count: usize,
+    },
+}
+
 /// A bench test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Test {
+pub(crate) enum Test {
     /// Restitution from heights.
     Drop,
     /// Static friction from the pull on a sled.
@@ -45,7 +73,7 @@ impl Test {
     }
 
     /// Name of the coefficient.
-    pub fn coefficient(self) -> &'static str {
+    pub(crate) fn coefficient(self) -> &'static str {
         match self {
             Self::Drop => "restitution",
             Self::Slider => "static_friction",
@@ -59,7 +87,7 @@ impl Test {
 /// # Errors
 ///
 /// A missing column, a cell that is no number in its range.
-pub fn coefficients(test: Test, table: &Table) -> Result<Vec<f64>, Error> {
+pub(crate) fn coefficients(test: Test, table: &Table) -> Result<Vec<f64>, Error> {
     let (columns, known) = test.columns();
     let mut places = Vec::new();
     for &column in columns {
@@ -113,7 +141,7 @@ mod tests {
     use super::{Test, coefficients};
     use experiment_design::table::Table;
 
-    fn of(test: Test, text: &str) -> Result<Vec<f64>, crate::Error> {
+    fn of(test: Test, text: &str) -> Result<Vec<f64>, super::Error> {
         coefficients(test, &Table::parse(text).unwrap())
     }
 

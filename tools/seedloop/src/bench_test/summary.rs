@@ -1,28 +1,28 @@
 //! Mean, spread and interval of repeated measurements.
 
-use crate::Error;
+use super::measured::Error;
 use probability::t_two_sided_quantile;
 use serde::Serialize;
 
 /// Repeated measurements of one coefficient.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Summary {
+pub(crate) struct Summary {
     /// Number of values.
-    pub n: usize,
+    pub(crate) n: usize,
     /// Mean.
-    pub mean: f64,
+    pub(crate) mean: f64,
     /// Standard deviation of single values.
-    pub sd: f64,
+    pub(crate) sd: f64,
     /// Standard error of the mean.
-    pub se: f64,
+    pub(crate) se: f64,
     /// Lowest value.
-    pub min: f64,
+    pub(crate) min: f64,
     /// Highest value.
-    pub max: f64,
+    pub(crate) max: f64,
     /// 95 % interval of the mean by Student's t.
-    pub interval: [f64; 2],
+    pub(crate) interval: [f64; 2],
     /// The values.
-    pub values: Vec<f64>,
+    pub(crate) values: Vec<f64>,
 }
 
 /// Summarises values.
@@ -30,7 +30,7 @@ pub struct Summary {
 /// # Errors
 ///
 /// Fewer than two values.
-pub fn summarise(values: &[f64]) -> Result<Summary, Error> {
+pub(crate) fn summarise(values: &[f64]) -> Result<Summary, Error> {
     let n = values.len();
     if n < 2 {
         return Err(Error::TooFew { count: n });
