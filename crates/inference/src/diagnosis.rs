@@ -47,11 +47,9 @@ mod diagnose;
 mod error;
 mod fit;
 mod gates;
-mod ideal;
 mod kept_conditions;
 mod max_test;
 mod next_measurement;
-mod next_trials;
 mod outcome;
 mod power;
 mod problem;
@@ -68,10 +66,8 @@ pub use before_after::{BeforeAfter, Change, Contrast, PartErrors, Stages};
 pub use box_least_squares::least_squares_step;
 pub use diagnose::{Options, diagnose};
 pub use error::Error;
-pub use ideal::{Ideal, ideal};
 pub use kept_conditions::{KeptCondition, ln_over_unknown};
 pub use next_measurement::{NextMeasurement, PlannedExperiment, Purpose, QuestionedEffect};
-pub use next_trials::{NextTrials, Resolved, next_trials};
 pub use outcome::{
     Amplitude, CandidateResult, CheckedModel, ConditionShare, DeclaredResult, Diagnosis, Evidence,
     Limit, ObservableSupport, StructuredResidual, Unseen, Verdict,

@@ -1,7 +1,7 @@
 //! Two spheres that meet off the centre, beside LIGGGHTS: in a thick liquid, and with cohesion by the area of contact.
 //!
 //! What LIGGGHTS 3.8 gave for the decks of `fixtures/liggghts-pairs` is kept here, and every test run holds the solver to it.
-//! `just liggghts-pairs` runs LIGGGHTS itself.
+//! `trials/programs.sh liggghts-pairs` runs LIGGGHTS itself.
 
 use contact_law::{
     CapillaryBridge, LinearCohesion, Material, NormalForceEnd, PairParameters, ViscousBridge,
@@ -135,7 +135,7 @@ fn cohesion_by_area_moves_two_spheres_as_in_liggghts() {
 
 /// LIGGGHTS still gives what is kept, to the printed digits of single steps of 1e-7 s.
 #[test]
-#[ignore = "runs LIGGGHTS; `just liggghts-pairs`"]
+#[ignore = "runs LIGGGHTS; `trials/programs.sh liggghts-pairs`"]
 fn liggghts_gives_what_is_kept() {
     for (deck, kept) in [("in.liquid", &LIQUID[..]), ("in.cohesion", &COHESION[..])] {
         let deck = fixture(&format!("liggghts-pairs/{deck}"));

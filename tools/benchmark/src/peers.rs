@@ -261,7 +261,7 @@ fn program(file: &Path) -> anyhow::Result<PathBuf> {
     let full = std::path::absolute(file)?;
     anyhow::ensure!(
         full.exists(),
-        "{} does not exist: `just bench-peers` installs it",
+        "{} does not exist: `trials/programs.sh bench-peers` installs it",
         file.display()
     );
     Ok(full)

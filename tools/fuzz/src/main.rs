@@ -1,4 +1,4 @@
-//! Every reader of files under a coverage-guided fuzzer: `just fuzz READER`.
+//! Every reader of files under a coverage-guided fuzzer: `trials/fuzz.sh READER`.
 //!
 //! One program for all readers; the environment variable `READER` says which one gets the inputs. A reader may refuse
 //! anything, and must neither panic nor hang nor take more memory than libFuzzer allows. What it accepts is not looked at.

@@ -4,7 +4,7 @@ use serde::Serialize;
 use sphere_fill::near_pairs_at_contact;
 
 /// Cost of a step as a line over the near pairs, relative to a packing of equal spheres: fitted to the fillings of the study's
-/// seed in `docs/benchmarks.md` (`just filling-cost`), which it meets within 14 %.
+/// seed in `docs/benchmarks.md` (`python3 trials/filling_cost.py`), which it meets within 14 %.
 const LINE: [f64; 2] = [0.9, 0.03];
 
 /// Near pairs of a filling, and the cost that they stand for.

@@ -11,7 +11,7 @@ const MEETINGS: u32 = 200;
 /// How much longer the contact of the hardest meeting counts: seeds seldom meet so.
 ///
 /// Ellipsoids of 20 and 50 overlapping spheres of a quarter of a megapascal flew off at a step of 0.6 of the contact of
-/// that meeting and not at 0.5, which is the default with this factor; `just divergence` runs them. The study's packings,
+/// that meeting and not at 0.5, which is the default with this factor; `trials/checks.sh divergence` runs them. The study's packings,
 /// whose spheres touch few at a time, hold at 0.54.
 const SELDOM: f64 = 1.6;
 

@@ -154,7 +154,7 @@ const RESPONSES: [Response; 4] = [
 
 /// Prints how often an effect of each response is named, and how often the interval of its amplitude holds the truth.
 #[test]
-#[ignore = "minutes; `just name-campaigns`"]
+#[ignore = "minutes; `trials/checks.sh name-campaigns`"]
 fn rates_of_amplitudes() {
     let number = 25;
     for (k, response) in (0..).zip(RESPONSES) {

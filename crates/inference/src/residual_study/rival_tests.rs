@@ -136,7 +136,7 @@ fn what_the_library_lacks_gets_no_name() {
 
 /// Prints how often names are right and wrong.
 #[test]
-#[ignore = "minutes; `just name-campaigns`"]
+#[ignore = "minutes; `trials/checks.sh name-campaigns`"]
 fn rates_of_names() {
     println!("curved hidden: {:?}", campaigns_of_pair("curved", 4.0, 100));
     println!(

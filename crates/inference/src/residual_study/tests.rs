@@ -193,7 +193,7 @@ fn nothing_is_named_where_nothing_is_hidden() {
 /// Of 2000 campaigns in which nothing is hidden, each fitted, linearised and diagnosed from its own runs, no more than
 /// 5 % report that something is missing: 100, and three standard errors of 10 more at most. Also prints the rate.
 #[test]
-#[ignore = "minutes; `just null-campaigns`"]
+#[ignore = "minutes; `trials/checks.sh null-campaigns`"]
 fn few_campaigns_without_a_hidden_effect_report_one() {
     let campaigns = 2000;
     let mut reported = 0;

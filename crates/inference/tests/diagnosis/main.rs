@@ -5,4 +5,6 @@
 mod behaviour;
 mod fixtures;
 mod limits;
+mod next_measurements;
 mod problem_file;
+mod rates;

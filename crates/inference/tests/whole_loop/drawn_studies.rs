@@ -443,7 +443,7 @@ fn saturating(name: &'static str, truth: f64, ratio: f64) -> Kind {
 
 /// Two parameters over a wide box in which three angles bend otherwise than a parabola.
 ///
-/// Coverage of 1000 studies each (`just drawn-studies`), runs 0.3, 1 and 3 se, worst parameter: 93.3, 95.1 and 95.8 % (fit), 92.9, 93.6
+/// Coverage of 1000 studies each (`trials/checks.sh drawn-studies`), runs 0.3, 1 and 3 se, worst parameter: 93.3, 95.1 and 95.8 % (fit), 92.9, 93.6
 /// and 95.3 % (joint); without the hidden cubic term in the intervals 90 to 94 % in 300 studies each. At 0.3 se the check's plane is what is bent, of which no curvature is seen.
 fn bent(name: &'static str, ratio: f64) -> Kind {
     let of = |shows: Shows| vec![observable("angle", shows, 0.25, 0.25 * ratio)];
@@ -561,7 +561,7 @@ fn fewest(n: usize) -> usize {
 
 /// Intervals must hold the truth as often as 95 % do, parameter by parameter, in the fit and in the joint estimate, and the joint
 /// estimate may open what the fit has fixed in 2 % of the studies, within three standard errors. Nine of ten studies must fix each
-/// parameter, with intervals of a median width of at most `widest`, a quarter more than `just drawn-studies` shows: those that hold
+/// parameter, with intervals of a median width of at most `widest`, a quarter more than `trials/checks.sh drawn-studies` shows: those that hold
 /// the truth because they say nothing fail.
 fn assert_calibrated(kind: &Kind, studies: u64, widest: &[f64]) {
     let summary = many(kind, studies);
@@ -630,9 +630,9 @@ fn a_stated_error_of_the_fill_is_in_the_intervals() {
     assert_calibrated(&kind, 100, &[0.130, 0.074]);
 }
 
-/// The table of all kinds, of 1000 studies each (`just drawn-studies`).
+/// The table of all kinds, of 1000 studies each (`trials/checks.sh drawn-studies`).
 #[test]
-#[ignore = "26 000 studies take half an hour; `just drawn-studies`"]
+#[ignore = "26 000 studies take half an hour; `trials/checks.sh drawn-studies`"]
 fn table_of_drawn_studies() {
     let studies = 1000;
     println!(

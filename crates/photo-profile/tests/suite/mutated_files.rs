@@ -1,7 +1,7 @@
 //! Damaged files on the way from the decoder to the angle: an error, a refusal or a number, and
 //! never a panic or a hang.
 //!
-//! The files are the same every time. `just fuzz-photos` tries two hundred times as many, which
+//! The files are the same every time. `trials/checks.sh fuzz-photos` tries two hundred times as many, which
 //! takes about ten minutes.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
@@ -49,7 +49,7 @@ fn a_damaged_file_gives_an_error_a_refusal_or_a_number() {
 }
 
 #[test]
-#[ignore = "takes ten minutes: just fuzz-photos"]
+#[ignore = "takes ten minutes: trials/checks.sh fuzz-photos"]
 fn many_damaged_files_give_an_error_a_refusal_or_a_number() {
     try_damaged_files(96_000);
 }

@@ -9,6 +9,7 @@ mod factory;
 mod limits;
 mod numbers;
 mod phases;
+mod readings;
 mod reduced;
 mod restart;
 mod seeds;

@@ -94,7 +94,7 @@ fn worst_difference(names: &[&str], default: &[Record], shorter: &[Record]) -> f
 /// over 20 runs at the default step and at half of it differ by noise alone. Runs with the default step come to their end here, so
 /// that none is missing from its mean.
 #[test]
-#[ignore = "ten minutes of one core: `just divergence`"]
+#[ignore = "ten minutes of one core: `trials/checks.sh divergence`"]
 fn half_of_the_default_step_shows_the_same_of_packed_seeds() {
     let worst = worst_difference(&OBSERVABLES, &records("0.36", 1), &records("0.18", 1001));
     assert!(worst < MOST, "{worst:.2} standard errors between the steps");
@@ -104,7 +104,7 @@ fn half_of_the_default_step_shows_the_same_of_packed_seeds() {
 /// a third of it differ by noise alone. With a share of 0.36 of a hard contact, which is twice the default, the angles differ by
 /// 1.1 deg. The slip on the shell goes on falling with the step, by 0.011 +- 0.002 of 0.115; it must not fall by 0.02.
 #[test]
-#[ignore = "ten minutes of one core: `just divergence`"]
+#[ignore = "ten minutes of one core: `trials/checks.sh divergence`"]
 fn a_third_of_the_default_step_shows_the_same_of_soft_beads() {
     let of = |share: &str, first_seed: u64| {
         let scene = drum(
@@ -130,10 +130,10 @@ fn a_third_of_the_default_step_shows_the_same_of_soft_beads() {
 /// Ellipsoids with the filling that a scene gives them, 20 overlapping spheres, touch their like at a hundred pairs of spheres:
 /// of 20 runs each comes to its end without being tried again. With a step of one contact alone all of them throw a seed out.
 #[test]
-#[ignore = "five minutes of one core: `just divergence`"]
+#[ignore = "five minutes of one core: `trials/checks.sh divergence`"]
 fn ellipsoids_of_overlapping_spheres_stay_in_the_drum() {
     let scene = drum(
-        "cotton/trials-drum.toml",
+        "cotton/coarse-drum.toml",
         &[
             ("material.seed.shear_modulus", "0.25 MPa"),
             ("seed.0.filling.sphere_radius", "0.475 mm"),
@@ -150,7 +150,7 @@ fn ellipsoids_of_overlapping_spheres_stay_in_the_drum() {
 /// Seeds of 5 spheres, whose coarse bumps lock at a friction of 0.56, in 60 runs with the step that the scene chooses: each comes to
 /// its end without being tried again. Did one in twenty throw a seed out, 60 runs would show it with a chance of 95 %.
 #[test]
-#[ignore = "ten minutes of one core: `just divergence`"]
+#[ignore = "ten minutes of one core: `trials/checks.sh divergence`"]
 fn coarse_seeds_at_high_friction_stay_in_the_drum() {
     let scene = drum(
         "cotton/drum.toml",

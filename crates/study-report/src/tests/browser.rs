@@ -1,4 +1,4 @@
-//! The page in a real browser: slow, and only where Chromium is installed (`just browser-test`).
+//! The page in a real browser: slow, and only where Chromium is installed (`trials/programs.sh browser`).
 
 use super::explorer::POINTS;
 use crate::test_input::Example;
@@ -28,7 +28,7 @@ fn chromium(arguments: &[&str]) -> Seen {
         .arg(format!("--user-data-dir={}", profile.path().display()))
         .args(arguments)
         .output()
-        .unwrap_or_else(|e| panic!("chromium: {e}; `just browser-test` installs it"));
+        .unwrap_or_else(|e| panic!("chromium: {e}; `trials/programs.sh browser` installs it"));
     let log = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success(), "{log}");
     Seen {
@@ -103,7 +103,7 @@ fn hold(study: &Example, page: &str, point: [f64; 3]) {
 }
 
 #[test]
-#[ignore = "needs Chromium; `just browser-test` runs it"]
+#[ignore = "needs Chromium; `trials/programs.sh browser` runs it"]
 fn the_page_in_a_browser() {
     let study = study();
     let folder = written(&study);

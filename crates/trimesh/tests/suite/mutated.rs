@@ -1,6 +1,6 @@
 //! Readers fed with damaged bytes: an answer or an error, never a panic, never a huge mesh.
 //!
-//! The cases are the same every time. `just fuzz-meshes` runs eight hundred times as many, which
+//! The cases are the same every time. `trials/checks.sh fuzz-meshes` runs eight hundred times as many, which
 //! takes about ten minutes.
 
 use probability::random_stream::Stream;
@@ -155,7 +155,7 @@ fn damaged_bytes_never_break_a_reader() {
 }
 
 #[test]
-#[ignore = "takes ten minutes: just fuzz-meshes"]
+#[ignore = "takes ten minutes: trials/checks.sh fuzz-meshes"]
 fn many_damaged_bytes_never_break_a_reader() {
     run(MANY_CASES);
 }

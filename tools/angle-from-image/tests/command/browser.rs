@@ -1,4 +1,4 @@
-//! The page in a real browser: slow, and only where Chromium is installed (`just browser-test`).
+//! The page in a real browser: slow, and only where Chromium is installed (`trials/programs.sh browser`).
 
 use super::{REFUSED, folder, photo, run};
 use std::path::Path;
@@ -28,7 +28,7 @@ fn chromium(words: &[&str], page: &Path, width: u32) -> String {
         .args(words)
         .arg(format!("file://{}", page.display()))
         .output()
-        .expect("`just browser-test` installs chromium");
+        .expect("`trials/programs.sh browser` installs chromium");
     let log = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(!log.contains("CONSOLE"), "{log}");
     String::from_utf8_lossy(&output.stdout).into_owned()
@@ -65,7 +65,7 @@ fn told(dom: &str, key: &str) -> String {
 /// Places on a circle about (800.5, 600.25) of radius 321.5, and the ends of marks: the flags that the page gives state them, in a wide
 /// window and on a phone, to a pixel of the screen both ways, to which browsers round the place of a click. The command takes them.
 #[test]
-#[ignore = "needs Chromium: just browser-test"]
+#[ignore = "needs Chromium: trials/programs.sh browser"]
 fn pointing_at_places_gives_the_flags() {
     let folder = folder("pointing");
     let page = folder.join("page.html");

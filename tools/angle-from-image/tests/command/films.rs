@@ -1,5 +1,5 @@
 //! Films, by programs that stand for `ffprobe` and `ffmpeg`: they leave what is written into them. The real ones are tried by
-//! `just films`.
+//! `trials/programs.sh films`.
 
 use super::{folder, text};
 use dev_support::drawn_pictures::Scene;
@@ -150,10 +150,10 @@ fn a_film_that_cannot_be_read_is_an_error() {
     );
 }
 
-/// The real programs (`just films`): slopes from 30 to 40 degrees at 12.5 pictures a second, packed as a camera packs them; 0.5 degrees: a
+/// The real programs (`trials/programs.sh films`): slopes from 30 to 40 degrees at 12.5 pictures a second, packed as a camera packs them; 0.5 degrees: a
 /// drum of 200 px behind the losses of the packing. Half of the file is a film that breaks off or none at all.
 #[test]
-#[ignore = "needs ffmpeg: just films"]
+#[ignore = "needs ffmpeg: trials/programs.sh films"]
 fn real_films_are_read() {
     let folder = super::folder("real films");
     for (number, slope) in SLOPES.iter().enumerate() {

@@ -65,7 +65,9 @@ fn run(folder: &Path, program: &str, words: &[&str]) -> String {
         .current_dir(folder)
         .env("OMP_NUM_THREADS", "1")
         .output()
-        .unwrap_or_else(|e| unreachable!("{program}: {e}; `just body-files` installs it"));
+        .unwrap_or_else(|e| {
+            unreachable!("{program}: {e}; `trials/programs.sh body-files` installs it")
+        });
     let told = text(&output.stdout);
     assert!(output.status.success(), "{told}{}", text(&output.stderr));
     told
@@ -119,7 +121,7 @@ fn moments(json: &Value) -> ([f64; 3], Matrix3<f64>) {
 /// m/s (m v^2 / 2) and turns with 10 rad/s about each axis and each pair of them (w I w / 2) shows mass and the whole inertia
 /// tensor, to 1e-9. Its dump has six digits: 1e-5 m of positions of 0.02 m.
 #[test]
-#[ignore = "needs LIGGGHTS: just body-files"]
+#[ignore = "needs LIGGGHTS: trials/programs.sh body-files"]
 fn liggghts_reads_its_template() {
     let folder = tempfile::tempdir().unwrap();
     let json = seed(folder.path(), "liggghts");
@@ -177,7 +179,7 @@ fn liggghts_reads_its_template() {
 /// LAMMPS takes the molecule into a rigid body: its mass and its principal moments are those of the seed, and the spheres lie as they
 /// should, to 1e-9.
 #[test]
-#[ignore = "needs LAMMPS: just body-files"]
+#[ignore = "needs LAMMPS: trials/programs.sh body-files"]
 fn lammps_reads_its_molecule() {
     let folder = tempfile::tempdir().unwrap();
     let json = seed(folder.path(), "lammps");
@@ -190,7 +192,8 @@ fn lammps_reads_its_molecule() {
                 dump d all local 1 body.txt c_b[*]\ndump_modify d format line \"%.15g %.15g %.15g %.15g %.15g\"\n\
                 dump a all custom 1 atoms.txt id x y z radius\ndump_modify a format float %.15g sort id\nrun 2\n";
     std::fs::write(folder.path().join("in.body"), deck).unwrap();
-    let program = std::env::var("LAMMPS").expect("the variable names the command: just body-files");
+    let program = std::env::var("LAMMPS")
+        .expect("the variable names the command: trials/programs.sh body-files");
     run(folder.path(), &program, &["-in", "in.body"]);
     let body = std::fs::read_to_string(folder.path().join("body.txt")).unwrap();
     let [_, mass, mut found @ ..]: [f64; 5] = numbers(body.lines().last().unwrap());
@@ -206,7 +209,7 @@ fn lammps_reads_its_molecule() {
 /// YADE takes the file as twelve spheres and as one clump, to 1e-9. It integrates mass and moments of the union on a grid of
 /// its own: 1 %; the surface method gives the union the volume of the mesh, and its moments to 0.3 %.
 #[test]
-#[ignore = "needs YADE: just body-files"]
+#[ignore = "needs YADE: trials/programs.sh body-files"]
 fn yade_reads_its_table() {
     let folder = tempfile::tempdir().unwrap();
     let json = seed(folder.path(), "yade");
@@ -239,7 +242,7 @@ fn yade_reads_its_table() {
 
 /// VTK, which is what `ParaView` reads with, finds the points, their radii and a vertex for each, to the last digit.
 #[test]
-#[ignore = "needs VTK for Python: just body-files"]
+#[ignore = "needs VTK for Python: trials/programs.sh body-files"]
 fn vtk_reads_its_points() {
     let folder = tempfile::tempdir().unwrap();
     seed(folder.path(), "vtk");
@@ -249,8 +252,8 @@ fn vtk_reads_its_points() {
                   for i in range(data.GetNumberOfPoints()): print('sphere', *data.GetPoint(i), radius.GetValue(i))\n\
                   print('vertices', data.GetNumberOfVerts())\n";
     std::fs::write(folder.path().join("read.py"), script).unwrap();
-    let program =
-        std::env::var("VTK_PYTHON").expect("the variable names a Python with VTK: just body-files");
+    let program = std::env::var("VTK_PYTHON")
+        .expect("the variable names a Python with VTK: trials/programs.sh body-files");
     let told = run(folder.path(), &program, &["read.py"]);
     assert_eq!(after(&told, "vertices ").trim(), "12");
     let lines = told.lines().filter_map(|line| line.strip_prefix("sphere "));
