@@ -83,17 +83,7 @@ mod tests {
 
     /// A problem of models that depend on these parameters, with one value each.
     fn problem(parameters: usize, models: &[(&[usize], Role)]) -> CalibrationProblem {
-        let parameter = |j: usize| Parameter {
-            symbol: format!("P{j}"),
-            name: String::new(),
-            unit: "1".into(),
-            sets: Vec::new(),
-            range: [0.0, 1.0],
-            limits: [0.0, 1.0],
-            start: 0.5,
-            prior: None,
-            is_input: false,
-        };
+        let parameter = |j: usize| Parameter::new(&format!("P{j}"), [0.0, 1.0]);
         let model = |(k, (on, _)): (usize, &(&[usize], Role))| Model {
             name: k.to_string(),
             scene: k.to_string(),
@@ -113,10 +103,7 @@ mod tests {
             parameters: (0..parameters).map(parameter).collect(),
             models: models.iter().enumerate().map(model).collect(),
             measurements: models.iter().enumerate().map(measured).collect(),
-            correlations: Vec::new(),
-            effects: Vec::new(),
-            candidates: Vec::new(),
-            coarse_graining: None,
+            ..CalibrationProblem::default()
         }
     }
 

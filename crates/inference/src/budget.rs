@@ -23,7 +23,7 @@ use crate::{ResidualPlan, RunList};
 /// and one beyond where that ends (with two effects two beyond and one by the slopes there), and I = 3 at the ends of its interval.
 /// A study that needs no correction of its fits, or adds no effect, needs fewer.
 pub fn runs_needed(plan: &ResidualPlan) -> usize {
-    let settings = 1 + plan.declared.len() + plan.effects.len();
+    let settings = 1 + plan.parameters.len() + plan.effects.len();
     let [blocks, kept] = most_blocks(plan);
     plan.replicates * ((settings + blocks) * plan.count(true) + kept * plan.count(false))
 }
@@ -54,7 +54,7 @@ fn most_blocks(plan: &ResidualPlan) -> [usize; 2] {
     let most_points = MOST_POINTS * suspects;
     let searches = [BLOCKS_OF_SEARCH.len(), BLOCKS_OF_FURTHER_SEARCH.len()];
     let points: usize = searches.iter().map(|n| most_points.min(*n)).sum();
-    let searched = points + suspects * plan.declared.len();
+    let searched = points + suspects * plan.parameters.len();
     let refits = MOST_REFITS.min(plan.effects.len());
     let of_refit = BLOCKS_WITH_EFFECTS.len() + 2 + BLOCKS_OF_ENDS.len() + MOST_AMPLITUDES;
     let of_refits = refits * of_refit;
@@ -65,7 +65,7 @@ fn most_blocks(plan: &ResidualPlan) -> [usize; 2] {
 #[cfg(test)]
 mod tests {
     use super::{lists_of, runs_needed};
-    use crate::{DeclaredParameter, EffectProbe, ResidualPlan, StudyCondition};
+    use crate::{EffectProbe, Parameter, ResidualPlan, StudyCondition};
     use campaign::RunRequest;
     use std::collections::BTreeMap;
 
@@ -73,32 +73,22 @@ mod tests {
     fn plan() -> ResidualPlan {
         let speeds = [5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 45.0];
         let condition = |rpm: &f64| StudyCondition {
-            model: None,
-            observables: None,
             condition: BTreeMap::from([("rpm".to_owned(), *rpm)]),
-            parameters: None,
             used: *rpm != 45.0,
-            values: Vec::new(),
-            covariance: Vec::new(),
+            ..StudyCondition::default()
         };
         let effect = |name: &str| EffectProbe {
             name: name.into(),
             probe: 1.0,
             range: [-2.0, 2.0],
-            absent: BTreeMap::new(),
+            ..EffectProbe::default()
         };
         ResidualPlan {
             id: "speeds".into(),
             base: RunRequest::new("toy", 1),
             conditions: speeds.iter().map(condition).collect(),
             observables: vec!["angle".into()],
-            declared: vec![DeclaredParameter {
-                name: "a".into(),
-                start: 0.5,
-                step: 0.1,
-                bounds: [0.0, 1.0],
-                prior: None,
-            }],
+            parameters: vec![Parameter::new("a", [0.0, 1.0])],
             effects: vec![effect("one"), effect("two")],
             replicates: 2,
             seed: 1,

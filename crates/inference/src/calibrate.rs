@@ -1,43 +1,38 @@
 //! The loop: screening, surfaces, joint estimate, box after box, fresh runs, check, residual.
 
-use crate::coarse_graining::{told, trends};
+use crate::coarse_graining::{self, trends};
 use crate::comparison::{SurfacesByModel, compare};
-use crate::confirmation::{Confirmed, confirm, mean};
-use crate::diagnosis_stage::{self, diagnose_at, length_of};
+use crate::confirmation::{Confirmed, confirm};
+use crate::diagnosis_stage::{self, diagnose_at};
 use crate::intervals::{Uncertainty, best_of, estimates, inputs, test};
 use crate::joint::{joint_estimate, planes, region_about, slope_runs, with_slopes};
-use crate::samples::{Asked, Runner, Sample, Samples, Wanted, first_seed, observables, wanted};
+use crate::remarks::{
+    all_failures, missed_but_shown, moved_inputs, other_solutions, states, unknown_inputs,
+};
+use crate::samples::{Asked, Runner, Samples, Wanted, first_seed, wanted};
 use crate::screening::screen_models;
 use crate::search::{Found, Search};
 use crate::solution_set::solution_set;
+use crate::timer::{Counted, Timer};
 use crate::verdict::verdict;
 use crate::with_effects::judged_with;
 use crate::{
     Calibration, CalibrationProblem, Comparison, DiagnosisStage, Error, Estimate, InputEstimate,
-    JointEstimate, LoopSettings, PlannedStage, Role, RunList, StageCost, planned,
+    JointEstimate, LoopSettings, PlannedStage, Role, planned,
 };
-use campaign::{Campaign, RunOutcome, RunRequest, Simulator, SimulatorError};
-use input::quantity::significant;
+use campaign::{Campaign, Simulator};
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Instant;
 
 /// Stage number of the runs with the parameters in use before.
 const STAGE_BEFORE: u64 = 0;
 /// Stage number of the runs of models that the fit does not use, at the estimate.
 const STAGE_CHECK: u64 = 60;
 
-/// Standard deviations by which an input may move without a remark.
-const FAR: f64 = 2.0;
 /// Place of the screening in the plan.
 const SCREENING: usize = 1;
-/// Place of the surfaces.
 const SURFACES: usize = 2;
-/// Place of the confirmation.
 const CONFIRMATION: usize = 3;
-/// Place of the check.
 const CHECK: usize = 4;
-/// Place of the diagnosis.
 const DIAGNOSIS: usize = 5;
 
 /// Calibrates the parameters of a problem and says whether the result holds.
@@ -65,23 +60,23 @@ pub fn calibrate(
         simulator: &counted,
         asked,
     };
-    let mut clock = Clock::new(announce, (&runner, &counted), &stages);
-    clock.begin(0);
+    let mut timer = Timer::new(announce, (&runner, &counted), &stages);
+    timer.begin(0);
     let before = before(&runner)?;
-    clock.begin(SCREENING);
+    timer.begin(SCREENING);
     let screened = screen_models(&runner)?;
     let mut search = Search::new(runner, screened.active, elsewhere);
-    clock.expect(SURFACES, &search.planned(&stages[SURFACES])?);
-    clock.begin(SURFACES);
+    timer.expect(SURFACES, &search.planned(&stages[SURFACES])?);
+    timer.begin(SURFACES);
     let found = found(problem, &mut search, announce)?;
-    clock.expect(CONFIRMATION, &with_boxes_left(&stages, &search)?);
-    clock.begin(CONFIRMATION);
+    timer.expect(CONFIRMATION, &with_boxes_left(&stages, &search)?);
+    timer.begin(CONFIRMATION);
     let confirmed = confirm(&runner, &mut search, found, announce)?;
     let size_trends = trends(problem, &search, &confirmed.found)?;
     let estimate = Estimated::new(asked, &confirmed)?;
-    clock.begin(CHECK);
+    timer.begin(CHECK);
     let checked = check(&runner, &confirmed, &estimate)?;
-    clock.begin(DIAGNOSIS);
+    timer.begin(DIAGNOSIS);
     let at = &confirmed.found.best;
     let spent = elsewhere + spent(&search, &confirmed, &stages[CONFIRMATION]);
     let diagnosis = diagnosis_left(campaign, &counted, problem, settings, (at, spent))?;
@@ -97,7 +92,7 @@ pub fn calibrate(
     let remarks = [
         search.remarks.clone(),
         confirmed.remarks.clone(),
-        told(&size_trends),
+        coarse_graining::remarks(&size_trends),
         all_failures(problem, runs),
         states(problem, &checked.at_estimate),
         other_solutions(problem, &estimate).into_iter().collect(),
@@ -112,9 +107,9 @@ pub fn calibrate(
         settings: settings.clone(),
         before: of_all_roles(&|role| row(role, &before, None, &start)),
         show,
-        surfaces: search.told(&confirmed.found)?,
+        surfaces: search.model_surfaces(&confirmed.found)?,
         boxes: search.boxes,
-        cost: clock.end(),
+        cost: timer.end(),
         joint: checked.joint,
         size_trends,
         confirmations: confirmed.rounds,
@@ -128,7 +123,7 @@ pub fn calibrate(
         inputs: estimate.inputs,
         fit,
         check: checks,
-        screening: screened.told,
+        screening: screened.screenings,
         diagnosis,
         with_effects,
         remarks: remarks.concat(),
@@ -160,36 +155,6 @@ fn spent(search: &Search<'_>, confirmed: &Confirmed, round: &PlannedStage) -> us
     of_boxes + (confirmed.rounds.len() - 1) * round.runs()
 }
 
-/// Inputs that have to move by more than twice their error, so that the measurements are met.
-fn moved_inputs(inputs: &[InputEstimate]) -> Vec<String> {
-    let moved = inputs.iter().filter(|input| input.moved.abs() > FAR);
-    let told = |input: &InputEstimate| {
-        format!(
-            "the measurements ask for {} = {}, {} standard deviations from the {} that was stated: measure it again",
-            input.symbol,
-            significant(input.value, 4),
-            significant(input.moved.abs(), 2),
-            significant(input.stated, 4)
-        )
-    };
-    moved.map(told).collect()
-}
-
-/// Models of which no run tells how they depend on an input.
-fn unknown_inputs(problem: &CalibrationProblem, surfaces: &SurfacesByModel) -> Vec<String> {
-    let told = surfaces.values().flat_map(|surface| {
-        let inputs = problem.inputs_of(surface.model).into_iter();
-        let unknown = inputs.filter(|j| !surface.parameters.contains(j));
-        unknown.map(|j| {
-            format!(
-                "the intervals take input {} of {} for exact, since no run with another value gave a result",
-                problem.parameters[j].symbol, problem.models[surface.model].name
-            )
-        })
-    });
-    told.collect()
-}
-
 /// The stage of the confirmation with what else it may ask for: a round may send the search on, as far as there are boxes left.
 fn with_boxes_left(stages: &[PlannedStage], search: &Search<'_>) -> Result<PlannedStage, Error> {
     let mut stage = stages[CONFIRMATION].clone();
@@ -197,19 +162,6 @@ fn with_boxes_left(stages: &[PlannedStage], search: &Search<'_>) -> Result<Plann
         .further
         .extend(search.planned(&stages[SURFACES])?.further);
     Ok(stage)
-}
-
-/// Measurements that are only shown and that the simulation misses: inputs may be wrong, or the model.
-fn missed_but_shown(show: &[Comparison]) -> Vec<String> {
-    let missed = show.iter().filter(|row| !row.holds);
-    missed
-        .map(|row| {
-            format!(
-                "{} is shown and not judged, and the simulation misses it",
-                crate::verdict::name(row)
-            )
-        })
-        .collect()
 }
 
 /// The diagnosis at a point, as far as the budget allows after so many runs: what to measure next is asked where it does.
@@ -224,68 +176,6 @@ fn diagnosis_left(
         Ok(problem) => diagnose_at(campaign, simulator, &problem, settings, at),
         Err(reason) => Ok(DiagnosisStage::LeftOut { reason }),
     }
-}
-
-/// What failed before, in the screening and at the estimate.
-fn all_failures(problem: &CalibrationProblem, runs: [&BTreeMap<usize, Samples>; 3]) -> Vec<String> {
-    let places = [
-        "with the parameters in use before",
-        "in the screening",
-        "at the estimate",
-    ];
-    let each = places.into_iter().zip(runs);
-    each.flat_map(|(place, runs)| failures(problem, place, runs))
-        .collect()
-}
-
-/// What failed at a point, one sentence for each model.
-fn failures(
-    problem: &CalibrationProblem,
-    place: &str,
-    runs: &BTreeMap<usize, Samples>,
-) -> Vec<String> {
-    let failed = runs.iter().filter_map(|(model, samples)| {
-        let (_, reason) = samples.failed.first()?;
-        let (n, all) = (
-            samples.failed.len(),
-            samples.failed.len() + samples.done.len(),
-        );
-        let name = &problem.models[*model].name;
-        Some(format!(
-            "{n} of {all} runs of {name} {place} failed: {reason}"
-        ))
-    });
-    failed.collect()
-}
-
-/// Models whose runs at the estimate ended up in several regimes, one sentence each: how many in which, and what each shows.
-fn states(problem: &CalibrationProblem, runs: &BTreeMap<usize, Samples>) -> Vec<String> {
-    let mut told = Vec::new();
-    for (&model, samples) in runs {
-        let mut regimes: BTreeMap<&str, Vec<&Sample>> = BTreeMap::new();
-        for sample in &samples.done {
-            regimes.entry(&sample.regime).or_default().push(sample);
-        }
-        if regimes.len() < 2 {
-            continue;
-        }
-        let shown = |group: &Vec<&Sample>| -> String {
-            let names = observables(problem, model).into_iter();
-            let each = names.map(|name| format!("{name} {}", significant(mean(group, &name), 5)));
-            each.collect::<Vec<_>>().join(", ")
-        };
-        let each: Vec<String> = regimes
-            .iter()
-            .map(|(regime, group)| format!("{} {regime} ({})", group.len(), shown(group)))
-            .collect();
-        told.push(format!(
-            "at the estimate the runs of {} end up in {} states: {}; no mean is taken over both",
-            problem.models[model].name,
-            regimes.len(),
-            each.join(", ")
-        ));
-    }
-    told
 }
 
 /// Runs that the [stages](crate::planned) beside the search and the diagnosis need; how many the search needs is known where nothing is screened.
@@ -311,18 +201,14 @@ pub fn within_budget(stages: &[PlannedStage], settings: &LoopSettings) -> Result
     }
 }
 
-/// The estimate with all that is said of it.
 #[derive(Debug)]
 pub(crate) struct Estimated {
     /// Tuned parameters with intervals.
     pub(crate) parameters: Vec<Estimate>,
-    /// Inputs.
     pub(crate) inputs: Vec<InputEstimate>,
     /// Covariance and what is open.
     pub(crate) uncertainty: Uncertainty,
-    /// Test of the fit.
     pub(crate) test: crate::FitTest,
-    /// The set of solutions.
     pub(crate) solutions: crate::SolutionSet,
 }
 
@@ -344,24 +230,6 @@ impl Estimated {
             parameters,
         })
     }
-}
-
-/// That other parameters, apart from the estimate, do nearly as well.
-fn other_solutions(problem: &CalibrationProblem, estimate: &Estimated) -> Option<String> {
-    let others = estimate.solutions.separate.get(1..)?;
-    let point = |at: &Vec<f64>| -> String {
-        let each = problem.parameters.iter().zip(at);
-        let each = each.map(|(p, x)| format!("{} = {}", p.symbol, significant(*x, 4)));
-        each.collect::<Vec<_>>().join(", ")
-    };
-    let others: Vec<String> = others.iter().map(point).collect();
-    (!others.is_empty()).then(|| {
-        format!(
-            "the fit has separate solutions, of which the estimate is the best; also {} does nearly as well: measure what \
-             tells them apart",
-            others.join("; also ")
-        )
-    })
 }
 
 /// Runs of all models with the parameters in use before; an error where none of them gives a result.
@@ -395,7 +263,6 @@ struct Checked {
     at_estimate: BTreeMap<usize, Samples>,
     /// Planes of the models of the checks about the estimate.
     planes: SurfacesByModel,
-    /// The estimate from all measurements.
     joint: Option<JointEstimate>,
 }
 
@@ -458,119 +325,4 @@ fn all_surfaces(confirmed: &Confirmed, planes: &SurfacesByModel) -> SurfacesByMo
         all.insert(surface.model, surface.clone());
     }
     all
-}
-
-/// Measures what each stage costs, and tells what is ahead.
-struct Clock<'a> {
-    /// Who hears of a stage.
-    announce: &'a dyn Fn(&str),
-    /// Who runs.
-    runner: &'a Runner<'a>,
-    /// Who counts the runs.
-    counted: &'a Counted<'a>,
-    /// The stages as they were planned.
-    planned: &'a [PlannedStage],
-    /// Length of the lists of each stage, at least and at most.
-    lengths: Vec<[f64; 2]>,
-    /// Begin of each stage so far: its name, the time, the runs before it.
-    stages: Vec<(String, Instant, usize)>,
-}
-
-impl<'a> Clock<'a> {
-    /// Starts without a stage.
-    fn new(
-        announce: &'a dyn Fn(&str),
-        (runner, counted): (&'a Runner<'a>, &'a Counted<'a>),
-        planned: &'a [PlannedStage],
-    ) -> Self {
-        let mut clock = Self {
-            announce,
-            runner,
-            counted,
-            planned,
-            lengths: vec![[0.0; 2]; planned.len()],
-            stages: Vec::new(),
-        };
-        for (i, stage) in planned.iter().enumerate() {
-            clock.expect(i, stage);
-        }
-        clock
-    }
-
-    /// What is expected of a stage.
-    fn expect(&mut self, place: usize, stage: &PlannedStage) {
-        let length =
-            |lists: &[RunList]| length_of(&self.runner.campaign, self.runner.simulator, lists);
-        let least = length(&stage.certain);
-        self.lengths[place] = [least, least + length(&stage.further)];
-    }
-
-    /// Begins a stage; the one before is over.
-    fn begin(&mut self, place: usize) {
-        let name = &self.planned[place].stage;
-        (self.announce)(name);
-        let later = self.lengths[place + 1..].iter();
-        let later = later.fold([0.0; 2], |sum, length| {
-            [0, 1].map(|end| sum[end] + length[end])
-        });
-        self.runner.campaign.expect(self.lengths[place], later);
-        let begin = (name.clone(), Instant::now(), self.counted.runs());
-        self.stages.push(begin);
-    }
-
-    /// Ends the last stage and gives the cost of each.
-    fn end(mut self) -> Vec<StageCost> {
-        let end = (String::new(), Instant::now(), self.counted.runs());
-        self.stages.push(end);
-        let pairs = self.stages.windows(2);
-        pairs
-            .map(|pair| StageCost {
-                stage: pair[0].0.clone(),
-                runs: pair[1].2 - pair[0].2,
-                wall_s: (pair[1].1 - pair[0].1).as_secs_f64(),
-            })
-            .collect()
-    }
-}
-
-/// A simulator that counts its runs.
-struct Counted<'a> {
-    /// Who runs.
-    simulator: &'a dyn Simulator,
-    /// Runs so far.
-    count: AtomicUsize,
-}
-
-impl<'a> Counted<'a> {
-    /// Counts from 0.
-    fn new(simulator: &'a dyn Simulator) -> Self {
-        Self {
-            simulator,
-            count: AtomicUsize::new(0),
-        }
-    }
-
-    /// Runs so far.
-    fn runs(&self) -> usize {
-        self.count.load(Ordering::Relaxed)
-    }
-}
-
-impl Simulator for Counted<'_> {
-    fn version(&self) -> String {
-        self.simulator.version()
-    }
-
-    fn inputs(&self, request: &RunRequest) -> Result<serde_json::Value, SimulatorError> {
-        self.simulator.inputs(request)
-    }
-
-    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
-        self.count.fetch_add(1, Ordering::Relaxed);
-        self.simulator.run(request)
-    }
-
-    fn expected_cost(&self, request: &RunRequest) -> f64 {
-        self.simulator.expected_cost(request)
-    }
 }

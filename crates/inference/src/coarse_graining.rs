@@ -104,8 +104,7 @@ pub(crate) fn trends(
     }
 }
 
-/// What the trends do, one sentence each.
-pub(crate) fn told(trends: &[SizeTrend]) -> Vec<String> {
+pub(crate) fn remarks(trends: &[SizeTrend]) -> Vec<String> {
     let each = trends.iter().map(|t| {
         format!(
             "{} of {} shifts by {} +- {} from grains {} times as large to real ones; grains up to {} times as large keep that error \

@@ -163,7 +163,6 @@ fn reach(
     Some((moves - NOISE * noise).max(0.0))
 }
 
-/// One measurement.
 fn comparison(
     asked: Asked<'_>,
     m: &Measurement,

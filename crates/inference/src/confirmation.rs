@@ -28,7 +28,6 @@ pub(crate) struct Confirmed {
     pub(crate) found: Found,
     /// Fresh runs at the estimate, by model.
     pub(crate) runs: BTreeMap<usize, Samples>,
-    /// The rounds.
     pub(crate) rounds: Vec<ConfirmationRound>,
     /// Whether the last round agrees with its surfaces.
     pub(crate) agrees: bool,
@@ -38,7 +37,6 @@ pub(crate) struct Confirmed {
 
 /// A row of a round.
 struct Judged {
-    /// The row.
     row: ConfirmationRow,
     /// Whether a measurement is met by its surface and missed by its runs.
     decides: bool,

@@ -108,17 +108,7 @@ mod tests {
         };
         CalibrationProblem {
             id: "correlated".into(),
-            parameters: vec![Parameter {
-                symbol: "F".into(),
-                name: "friction".into(),
-                unit: "1".into(),
-                sets: Vec::new(),
-                range: [0.0, 1.0],
-                limits: [0.0, 1.0],
-                start: 0.5,
-                prior: None,
-                is_input: false,
-            }],
+            parameters: vec![Parameter::new("F", [0.0, 1.0])],
             models: vec![model("slow"), model("fast")],
             measurements: vec![
                 measured(0, "angle", 0.1),
@@ -130,9 +120,7 @@ mod tests {
                 .iter()
                 .map(|&(a, b, value)| Correlation { a, b, value })
                 .collect(),
-            effects: Vec::new(),
-            candidates: Vec::new(),
-            coarse_graining: None,
+            ..CalibrationProblem::default()
         }
     }
 

@@ -24,7 +24,6 @@ pub(crate) struct CodedDesign {
     pub(crate) rows: Vec<Vec<f64>>,
 }
 
-/// Factors with the coded range, by symbol.
 pub(crate) fn coded_factors(symbols: &[String]) -> Result<Vec<Factor>, Error> {
     let factors = symbols.iter().map(|s| Factor::coded_only(s));
     Ok(factors.collect::<Result<_, _>>()?)
@@ -151,7 +150,6 @@ pub(crate) fn slope_design(symbols: &[String], seed: u64) -> Result<Vec<Vec<f64>
     Ok(design.coded_rows())
 }
 
-/// Every row so many times.
 fn repeated(rows: Vec<Vec<f64>>, times: usize) -> Vec<Vec<f64>> {
     let each = rows.into_iter();
     each.flat_map(|row| std::iter::repeat_n(row, times.max(1)))

@@ -64,6 +64,7 @@ mod trials;
 
 pub use before_after::{BeforeAfter, Change, Contrast, PartErrors, Stages};
 pub use box_least_squares::least_squares_step;
+pub(crate) use covariance::{Covariance, Whitener};
 pub use diagnose::{Options, diagnose};
 pub use error::Error;
 pub use kept_conditions::{KeptCondition, ln_over_unknown};

@@ -3,17 +3,15 @@
 use crate::budget::lists_of;
 use crate::correlated::correlation_of;
 use crate::{
-    CalibrationProblem, Candidate, CandidateMeasurement, DeclaredParameter, DiagnosisStage, Error,
-    LoopSettings, Measurement, Model, ResidualPlan, Role, RunList, StudyCondition, runs_needed,
+    CalibrationProblem, Candidate, CandidateMeasurement, DiagnosisStage, Error, LoopSettings,
+    Measurement, Model, Parameter, ResidualPlan, Role, RunList, StudyCondition, runs_needed,
     study_residual,
 };
 use campaign::{Campaign, RunRequest, Simulator};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Stage number: sets the seeds.
 const STAGE: u64 = 80;
-/// Step of a difference quotient, as a share of the box of the file.
-const STEP: f64 = 0.3;
 
 /// Looks for what the model lacks at given values of the parameters; the last stage of a calibration alone.
 ///
@@ -34,7 +32,7 @@ pub fn diagnose_at(
         return Ok(left_out("no effect is to be searched"));
     }
     let plan = plan(problem, settings, at);
-    let (values, free) = (values_of_fit(&plan), problem.n_tuned());
+    let (values, free) = (plan.values_of_fit(), problem.n_tuned());
     if values <= free {
         return Ok(left_out(&format!(
             "{values} measurements of role fit and {free} parameters: what {free} parameters can always meet tests nothing; measure \
@@ -53,12 +51,6 @@ pub fn diagnose_at(
     }
 }
 
-/// Number of measured values that the fit uses.
-fn values_of_fit(plan: &ResidualPlan) -> usize {
-    let used = (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used);
-    used.map(|c| plan.measured(c).len()).sum()
-}
-
 /// The lists of runs of a diagnosis: those that are certain if nothing fails, and further ones, at most. None where
 /// [`diagnose_at`] leaves it out.
 pub(crate) fn lists_of_diagnosis(
@@ -66,7 +58,7 @@ pub(crate) fn lists_of_diagnosis(
     settings: &LoopSettings,
 ) -> (Vec<RunList>, Vec<RunList>) {
     let plan = plan(problem, settings, &problem.start());
-    if problem.effects.is_empty() || values_of_fit(&plan) <= problem.n_tuned() {
+    if problem.effects.is_empty() || plan.values_of_fit() <= problem.n_tuned() {
         return (Vec::new(), Vec::new());
     }
     lists_of(&plan)
@@ -112,7 +104,6 @@ pub(crate) fn within_budget(
     Ok(problem.clone())
 }
 
-/// A stage that was not made.
 fn left_out(reason: &str) -> DiagnosisStage {
     DiagnosisStage::LeftOut {
         reason: reason.to_owned(),
@@ -187,7 +178,9 @@ pub(crate) fn plan(
         base: RunRequest::new("", settings.seed + 100_000 * STAGE),
         conditions,
         observables,
-        declared: declared(problem, at),
+        parameters: (problem.parameters.iter().zip(at))
+            .map(|(p, &start)| Parameter { start, ..p.clone() })
+            .collect(),
         effects: problem.effects.clone(),
         replicates: settings.diagnosis_replicates.max(2),
         seed: settings.seed,
@@ -222,7 +215,6 @@ pub(crate) fn name_in_plan(problem: &CalibrationProblem, m: &Measurement) -> Str
     name_at(problem, &problem.models[m.model].scene, &m.observable)
 }
 
-/// The name of an observable of a scene in the plan.
 fn name_at(problem: &CalibrationProblem, scene: &str, observable: &str) -> String {
     if problem.models.iter().all(|other| other.scene == scene) {
         observable.to_owned()
@@ -265,42 +257,12 @@ fn candidate(problem: &CalibrationProblem, candidate: &Candidate) -> CandidateMe
     }
 }
 
-/// Symbols of the parameters on which a model depends.
-fn symbols(problem: &CalibrationProblem, model: &Model) -> BTreeSet<String> {
-    let symbol = |&j: &usize| problem.parameters[j].symbol.clone();
-    model.parameters.iter().map(symbol).collect()
-}
-
 /// A model as a condition at which nothing is measured.
 fn condition(problem: &CalibrationProblem, model: &Model) -> StudyCondition {
     StudyCondition {
         model: Some(model.name.clone()),
         condition: coordinates(model),
-        observables: None,
-        parameters: Some(symbols(problem, model)),
-        used: false,
-        values: Vec::new(),
-        covariance: Vec::new(),
+        parameters: Some(problem.symbols(&model.parameters).into_iter().collect()),
+        ..StudyCondition::default()
     }
-}
-
-/// The parameters about a point, each with a step that stays inside its limits.
-fn declared(problem: &CalibrationProblem, at: &[f64]) -> Vec<DeclaredParameter> {
-    let each = problem.parameters.iter().zip(at);
-    each.map(|(p, &start)| {
-        let size = STEP * (p.range[1] - p.range[0]);
-        let step = if start + size <= p.limits[1] {
-            size
-        } else {
-            -size.min(start - p.limits[0])
-        };
-        DeclaredParameter {
-            name: p.symbol.clone(),
-            start,
-            step,
-            bounds: p.limits,
-            prior: p.prior.map(|prior| [prior.mean, prior.sd]),
-        }
-    })
-    .collect()
 }

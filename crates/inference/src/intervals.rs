@@ -1,9 +1,10 @@
 //! From the least misfit to standard errors, intervals, correlations, and what the data leave open.
 
+use crate::diagnosis::Whitener;
 use crate::information::{
     bounded_inverse, by_inputs, spread_added, with_noisy_inputs, without_inputs,
 };
-use crate::joint_fit::{JointFit, Minimum, Target, Whitening};
+use crate::joint_fit::{JointFit, Minimum, Target};
 use crate::noisy_slopes::{
     growth_with_distance, noise_beside_inputs, noise_of_inputs, standing_out, without_noise,
 };
@@ -97,7 +98,7 @@ impl Uncertainty {
     /// Inputs are parameters with a prior: what their errors add to the covariance of the tuned ones is in C, across all
     /// measurements. To take a noisy slope along an input for 0 would make the input exact, so that all of them stay; but what
     /// [their noise adds](with_noisy_inputs) does not tell an input from a parameter that acts alike.
-    pub(crate) fn new(fit: &JointFit<'_>, best: &Minimum, whitening: &Whitening) -> Self {
+    pub(crate) fn new(fit: &JointFit<'_>, best: &Minimum, whitening: &Whitener) -> Self {
         let k = fit.parameters.len();
         let (_, jacobian) = fit.residuals(&best.coded, whitening, &[]);
         let n = fit.targets.len();
@@ -241,7 +242,6 @@ impl Uncertainty {
     }
 }
 
-/// What the fit makes of the inputs.
 pub(crate) fn inputs(
     fit: &JointFit<'_>,
     best: &Minimum,
@@ -283,7 +283,7 @@ pub(crate) fn inputs(
 pub(crate) fn estimates(
     fit: &JointFit<'_>,
     best: &Minimum,
-    whitening: &Whitening,
+    whitening: &Whitener,
     uncertainty: &Uncertainty,
 ) -> Vec<Estimate> {
     let at = fit.natural(&best.coded);
@@ -325,7 +325,7 @@ pub(crate) fn estimates(
 fn end(
     fit: &JointFit<'_>,
     best: &Minimum,
-    whitening: &Whitening,
+    whitening: &Whitener,
     uncertainty: &Uncertainty,
     (j, side): (usize, f64),
 ) -> f64 {
@@ -353,7 +353,7 @@ fn end(
 pub(crate) fn crossing(
     fit: &JointFit<'_>,
     from: &Minimum,
-    whitening: &Whitening,
+    whitening: &Whitener,
     (j, side): (usize, f64),
     step: f64,
     limit: f64,
@@ -399,7 +399,7 @@ pub(crate) fn crossing(
 fn effective(
     fit: &JointFit<'_>,
     best: &Minimum,
-    whitening: &Whitening,
+    whitening: &Whitener,
     scaled: &DMatrix<f64>,
     covariance: &DMatrix<f64>,
 ) -> Vec<f64> {
@@ -407,7 +407,7 @@ fn effective(
     let n = fit.targets.len();
     // Gains of the parameters from the measured values: C J' V^-1, block by block.
     let whitened_gain = covariance * scaled.rows(0, n).transpose();
-    let gain = whitening.plain(&whitened_gain);
+    let gain = whitening.unwhiten_gains(&whitened_gain);
     let mut squares = vec![0.0; fit.parameters.len()];
     for (first, block) in fit.blocks() {
         for part in estimated_parts(fit, block, &at) {
@@ -436,7 +436,6 @@ fn effective(
 struct EstimatedPart {
     /// The covariance, over the targets of the block.
     covariance: DMatrix<f64>,
-    /// Degrees of freedom of its estimate.
     degrees_of_freedom: f64,
     /// Share by which its correlations were shrunk.
     shrinkage: f64,
@@ -484,20 +483,20 @@ fn estimated_parts(fit: &JointFit<'_>, block: &[Target], at: &[f64]) -> Vec<Esti
 fn with_estimated_weights(
     fit: &JointFit<'_>,
     best: &Minimum,
-    whitening: &Whitening,
+    whitening: &Whitener,
     scaled: &DMatrix<f64>,
     covariance: &DMatrix<f64>,
 ) -> DMatrix<f64> {
     let at = fit.natural(&best.coded);
     let k = fit.parameters.len();
     let mut sum = DMatrix::zeros(k, k);
-    for (first, block) in fit.blocks() {
+    for (number, (first, block)) in fit.blocks().into_iter().enumerate() {
         let n = block.len();
         let slopes = scaled.rows(first, n);
         let left = DMatrix::identity(n, n) - slopes * covariance * slopes.transpose();
         for part in estimated_parts(fit, block, &at) {
             let turned = |covariance: &DMatrix<f64>| {
-                let m = whitening.whitened(first, covariance);
+                let m = whitening.whiten_block(number, covariance);
                 &m * &left * &m + &m * (&left * &m).trace()
             };
             let mut whole = turned(&part.covariance) * (1.0 - part.shrinkage);

@@ -63,10 +63,7 @@ pub(crate) fn slope_runs(
         let active = problem.tuned_of(model);
         let mut points = Vec::new();
         if !active.is_empty() {
-            let symbols: Vec<String> = active
-                .iter()
-                .map(|&j| problem.parameters[j].symbol.clone())
-                .collect();
+            let symbols = problem.symbols(&active);
             let rows = slope_design(&symbols, asked.settings.seed)?;
             points = placed(&rows, &active, region, &problem.parameters);
         }

@@ -8,6 +8,7 @@
 //! Marquardt's steps from many starts `[Marquardt1963]`.
 
 use crate::correlated::correlation_of;
+use crate::diagnosis::{Covariance, Whitener};
 use crate::region::Region;
 use crate::surface::Surface;
 use crate::{CalibrationProblem, Error, Parameter, Role};
@@ -32,11 +33,8 @@ pub(crate) struct Target {
     pub(crate) surface: usize,
     /// Place of the observable there.
     pub(crate) observable: usize,
-    /// Measured mean.
     pub(crate) mean: f64,
-    /// Its variance.
     pub(crate) variance: f64,
-    /// Degrees of freedom of that.
     pub(crate) degrees_of_freedom: f64,
 }
 
@@ -45,23 +43,14 @@ pub(crate) struct Target {
 pub(crate) struct JointFit<'a> {
     /// What was measured, and how its means go together.
     problem: &'a CalibrationProblem,
-    /// Parameters of the problem.
     pub(crate) parameters: &'a [Parameter],
     /// Where the search is made; its coordinates are -1 to 1 there.
     pub(crate) region: &'a Region,
-    /// Surfaces, one for each model.
     pub(crate) surfaces: &'a [Surface],
     /// What was measured, those of one surface behind each other.
     pub(crate) targets: Vec<Target>,
     /// Whether a parameter is searched; the others stay at their start.
     pub(crate) free: Vec<bool>,
-}
-
-/// The covariance of the targets at a point, as its roots block by block.
-#[derive(Debug, Clone)]
-pub(crate) struct Whitening {
-    /// First target of each block and the lower triangular root of its covariance.
-    blocks: Vec<(usize, DMatrix<f64>)>,
 }
 
 /// A least value that a search found.
@@ -75,12 +64,11 @@ pub(crate) struct Minimum {
 
 /// A further row of the sum of squares: the distance along a direction from a point, times a weight.
 #[derive(Debug, Clone)]
-pub(crate) struct Leash {
+pub(crate) struct Penalty {
     /// Direction of unit length, coded.
     pub(crate) direction: DVector<f64>,
     /// The distance along it that is asked for.
     pub(crate) distance: f64,
-    /// Weight.
     pub(crate) weight: f64,
 }
 
@@ -139,7 +127,6 @@ impl<'a> JointFit<'a> {
         measurements.any(|m| m.model == model && m.role == Role::Fit)
     }
 
-    /// Number of priors.
     pub(crate) fn n_priors(&self) -> usize {
         self.parameters.iter().filter(|p| p.prior.is_some()).count()
     }
@@ -156,7 +143,6 @@ impl<'a> JointFit<'a> {
         coded.iter().enumerate().map(value).collect()
     }
 
-    /// Covariance of the surfaces of the targets of one block at a point.
     pub(crate) fn surface_covariance(&self, block: &[Target], at: &[f64]) -> DMatrix<f64> {
         let surface = &self.surfaces[block[0].surface];
         let leverage = surface.leverage(at);
@@ -170,7 +156,6 @@ impl<'a> JointFit<'a> {
         correlation_of(self.problem, a.measurement, b.measurement)
     }
 
-    /// Covariance of the measured means of one block.
     pub(crate) fn measured_covariance(&self, block: &[Target]) -> DMatrix<f64> {
         DMatrix::from_fn(block.len(), block.len(), |a, b| {
             let (a, b) = (&block[a], &block[b]);
@@ -191,53 +176,49 @@ impl<'a> JointFit<'a> {
             .collect()
     }
 
-    /// Roots of V at a point.
+    /// Roots of V at a point, one block for each surface.
     ///
     /// # Errors
     ///
     /// A covariance that is not positive definite.
-    pub(crate) fn whitening(&self, at: &[f64]) -> Result<Whitening, Error> {
-        let mut blocks = Vec::new();
-        for (first, block) in self.blocks() {
-            let covariance = self.surface_covariance(block, at) + self.measured_covariance(block);
-            let root = Cholesky::new(covariance).ok_or(Error::Search {
-                what: "the weights of the measurements",
-                reason: "their covariance is not positive definite: are two observables the same?"
-                    .into(),
-            })?;
-            blocks.push((first, root.unpack()));
+    pub(crate) fn whitening(&self, at: &[f64]) -> Result<Whitener, Error> {
+        let (mut blocks, mut models) = (Vec::new(), Vec::new());
+        for (_, block) in self.blocks() {
+            blocks.push(self.surface_covariance(block, at) + self.measured_covariance(block));
+            let model = self.surfaces[block[0].surface].model;
+            models.push(self.problem.models[model].name.clone());
         }
-        Ok(Whitening { blocks })
+        Ok(Covariance::new(blocks, models).whitener()?)
     }
 
-    /// Whitened residuals of targets, priors and leashes, and their derivatives along the coordinates.
+    /// Measured means minus the surfaces at a point of all parameters.
+    fn differences(&self, at: &[f64]) -> DVector<f64> {
+        let difference = |t: &Target| t.mean - self.surfaces[t.surface].value(t.observable, at);
+        DVector::from_iterator(self.targets.len(), self.targets.iter().map(difference))
+    }
+
+    /// Whitened residuals of targets, priors and penalties, and their derivatives along the coordinates.
     pub(crate) fn residuals(
         &self,
         coded: &[f64],
-        whitening: &Whitening,
-        leashes: &[Leash],
+        whitening: &Whitener,
+        penalties: &[Penalty],
     ) -> (DVector<f64>, DMatrix<f64>) {
         let (n, k) = (self.targets.len(), self.parameters.len());
-        let rows = n + self.n_priors() + leashes.len();
-        let (mut r, mut jacobian) = (DVector::zeros(rows), DMatrix::zeros(rows, k));
+        let rows = n + self.n_priors() + penalties.len();
         let at = self.natural(coded);
-        for (first, root) in &whitening.blocks {
-            let m = root.nrows();
-            let (mut part, mut slopes) = (DVector::zeros(m), DMatrix::zeros(m, k));
-            for (row, target) in self.targets[*first..first + m].iter().enumerate() {
-                let surface = &self.surfaces[target.surface];
-                part[row] = target.mean - surface.value(target.observable, &at);
-                let each = surface.slopes(target.observable, &at);
-                for (&j, slope) in surface.parameters.iter().zip(each) {
-                    slopes[(row, j)] = -slope * self.region.half(j);
-                }
+        let mut slopes = DMatrix::zeros(n, k);
+        for (row, target) in self.targets.iter().enumerate() {
+            let surface = &self.surfaces[target.surface];
+            let each = surface.slopes(target.observable, &at);
+            for (&j, slope) in surface.parameters.iter().zip(each) {
+                slopes[(row, j)] = -slope * self.region.half(j);
             }
-            // A root with a positive diagonal can always be solved.
-            root.solve_lower_triangular_mut(&mut part);
-            root.solve_lower_triangular_mut(&mut slopes);
-            r.rows_mut(*first, m).copy_from(&part);
-            jacobian.rows_mut(*first, m).copy_from(&slopes);
         }
+        let mut r = whitening
+            .whiten_vector(&self.differences(&at))
+            .resize_vertically(rows, 0.0);
+        let mut jacobian = whitening.whiten(&slopes).resize_vertically(rows, 0.0);
         let mut row = n;
         for (j, parameter) in self.parameters.iter().enumerate() {
             if let Some(prior) = parameter.prior {
@@ -247,9 +228,9 @@ impl<'a> JointFit<'a> {
             }
         }
         let x = DVector::from_column_slice(coded);
-        for leash in leashes {
-            r[row] = leash.weight * (leash.direction.dot(&x) - leash.distance);
-            let derivative = leash.direction.transpose() * leash.weight;
+        for penalty in penalties {
+            r[row] = penalty.weight * (penalty.direction.dot(&x) - penalty.distance);
+            let derivative = penalty.direction.transpose() * penalty.weight;
             jacobian.row_mut(row).copy_from(&derivative);
             row += 1;
         }
@@ -257,25 +238,21 @@ impl<'a> JointFit<'a> {
     }
 
     /// Q at a point.
-    pub(crate) fn misfit(&self, coded: &[f64], whitening: &Whitening) -> f64 {
+    pub(crate) fn misfit(&self, coded: &[f64], whitening: &Whitener) -> f64 {
         let at = self.natural(coded);
-        let mut sum = 0.0;
-        for (first, root) in &whitening.blocks {
-            let block = &self.targets[*first..first + root.nrows()];
-            let residual = |t: &Target| t.mean - self.surfaces[t.surface].value(t.observable, &at);
-            let mut part = DVector::from_iterator(block.len(), block.iter().map(residual));
-            root.solve_lower_triangular_mut(&mut part);
-            sum += part.norm_squared();
-        }
         let distance = |(p, x): (&Parameter, &f64)| {
             p.prior
                 .map_or(0.0, |prior| ((prior.mean - x) / prior.sd).powi(2))
         };
-        sum + self.parameters.iter().zip(&at).map(distance).sum::<f64>()
+        let priors: f64 = self.parameters.iter().zip(&at).map(distance).sum();
+        whitening
+            .whiten_vector(&self.differences(&at))
+            .norm_squared()
+            + priors
     }
 
     /// A point with its inputs where Q is least: surfaces are straight along inputs.
-    pub(crate) fn with_best_inputs(&self, mut coded: Vec<f64>, whitening: &Whitening) -> Minimum {
+    pub(crate) fn with_best_inputs(&self, mut coded: Vec<f64>, whitening: &Whitener) -> Minimum {
         let tuned = self.n_tuned();
         if tuned < coded.len() {
             let (r, jacobian) = self.residuals(&coded, whitening, &[]);
@@ -296,12 +273,12 @@ impl<'a> JointFit<'a> {
     pub(crate) fn minimise(
         &self,
         start: &[f64],
-        whitening: &Whitening,
+        whitening: &Whitener,
         free: &[bool],
-        leashes: &[Leash],
+        penalties: &[Penalty],
     ) -> Minimum {
         let mut coded: Vec<f64> = start.iter().map(|x| x.clamp(-1.0, 1.0)).collect();
-        let (mut r, mut jacobian) = self.residuals(&coded, whitening, leashes);
+        let (mut r, mut jacobian) = self.residuals(&coded, whitening, penalties);
         let mut misfit = r.norm_squared();
         let mut damping = 1e-4;
         for _ in 0..MOST_STEPS {
@@ -318,7 +295,7 @@ impl<'a> JointFit<'a> {
             for (&j, step) in moving.iter().zip(step.iter()) {
                 trial[j] = (trial[j] + step).clamp(-1.0, 1.0);
             }
-            let (new_r, new_jacobian) = self.residuals(&trial, whitening, leashes);
+            let (new_r, new_jacobian) = self.residuals(&trial, whitening, penalties);
             let new = new_r.norm_squared();
             if new < misfit {
                 let fall = misfit - new;
@@ -342,7 +319,7 @@ impl<'a> JointFit<'a> {
     /// # Errors
     ///
     /// A covariance that is not positive definite.
-    pub(crate) fn solve(&self, seed: u64) -> Result<(Vec<Minimum>, Whitening), Error> {
+    pub(crate) fn solve(&self, seed: u64) -> Result<(Vec<Minimum>, Whitener), Error> {
         let middle = vec![0.0; self.parameters.len()];
         let mut whitening = self.whitening(&self.natural(&middle))?;
         let mut minima: Vec<Minimum> = self
@@ -413,31 +390,4 @@ fn distinct(minima: Vec<Minimum>) -> Vec<Minimum> {
         }
     }
     kept
-}
-
-impl Whitening {
-    /// A covariance of the targets of the block that begins at `first`, in the units of whitened values: `L^-1 C L^-T`, L the root
-    /// of V.
-    pub(crate) fn whitened(&self, first: usize, covariance: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut whitened = covariance.clone();
-        for (_, root) in self.blocks.iter().filter(|(at, _)| *at == first) {
-            root.solve_lower_triangular_mut(&mut whitened);
-            whitened.transpose_mut();
-            root.solve_lower_triangular_mut(&mut whitened);
-        }
-        whitened
-    }
-
-    /// Rows of gains for whitened values as gains for the values themselves: `G L^-1` block by block, L the roots of V.
-    pub(crate) fn plain(&self, gains: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut plain = gains.clone();
-        for (first, root) in &self.blocks {
-            let m = root.nrows();
-            // (G L^-1)' = L'^-1 G'.
-            let mut block = gains.columns(*first, m).transpose();
-            root.tr_solve_lower_triangular_mut(&mut block);
-            plain.columns_mut(*first, m).copy_from(&block.transpose());
-        }
-        plain
-    }
 }

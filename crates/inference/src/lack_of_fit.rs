@@ -18,9 +18,7 @@ const ROUNDING: f64 = 1e-12;
 /// A surface that misses its runs.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Missed {
-    /// Number of its model.
     pub(crate) model: usize,
-    /// Its observable.
     pub(crate) observable: String,
     /// Root mean square of what it misses beyond the scatter of repeats, in standard errors of what was measured.
     pub(crate) in_errors: f64,
@@ -42,7 +40,7 @@ impl Missed {
     }
 
     /// What is missed, in words.
-    pub(crate) fn told(&self, problem: &CalibrationProblem) -> String {
+    pub(crate) fn in_words(&self, problem: &CalibrationProblem) -> String {
         let model = &problem.models[self.model].name;
         format!(
             "the surface of {} of {model} misses its own runs by {} standard errors of what was measured",
@@ -100,8 +98,8 @@ pub(crate) fn missed(
             let errors = (missed / measured.variance()).sqrt();
             let p = f_upper_tail(square / pure, df, df_pure);
             // Runs without any scatter leave no doubt.
-            let told = errors > MATTERS && p.is_none_or(|p| p < ALPHA / rows);
-            told.then_some(errors)
+            let is_missed = errors > MATTERS && p.is_none_or(|p| p < ALPHA / rows);
+            is_missed.then_some(errors)
         };
         let worst = [of_runs, at_point].into_iter().flatten();
         let worst = worst.filter_map(in_errors).fold(0.0, f64::max);

@@ -24,21 +24,15 @@
 //!         let noise = Stream::new(request.seed, &request.to_string()).normal();
 //!         let friction = request.parameters.get("F").unwrap_or(&0.5);
 //!         let mean = 20.0 + 40.0 * friction + 0.2 * noise;
-//!         let angle = Observation { mean, sd: None, n: 1, unit: "deg".into() };
+//!         let angle = Observation::of_one(mean, "deg");
 //!         Ok(RunOutcome::default().with_observable("angle_deg", angle))
 //!     }
 //! }
 //!
 //! let friction = Parameter {
-//!     symbol: "F".into(),
 //!     name: "friction".into(),
-//!     unit: "1".into(),
-//!     sets: vec!["friction of the beads".into()],
-//!     range: [0.1, 0.9],
 //!     limits: [0.0, 1.0],
-//!     start: 0.5,
-//!     prior: None,
-//!     is_input: false,
+//!     ..Parameter::new("F", [0.1, 0.9])
 //! };
 //! let drum = Model {
 //!     name: "drum".into(),
@@ -59,10 +53,7 @@
 //!     parameters: vec![friction],
 //!     models: vec![drum],
 //!     measurements: vec![measured],
-//!     correlations: vec![],
-//!     effects: vec![],
-//!     candidates: vec![],
-//!     coarse_graining: None,
+//!     ..CalibrationProblem::default()
 //! };
 //! let store = Store::in_memory();
 //! let campaign = Campaign::new(&store, 1, &Silent);
@@ -94,6 +85,7 @@ mod planned;
 mod power;
 mod problem;
 mod region;
+mod remarks;
 mod residual_study;
 mod result;
 mod samples;
@@ -102,6 +94,7 @@ mod search;
 mod settings;
 mod solution_set;
 mod surface;
+mod timer;
 mod verdict;
 mod with_effects;
 
@@ -116,8 +109,8 @@ pub use problem::{
     Model, Parameter, Prior, Role,
 };
 pub use residual_study::{
-    AddedEffect, CandidateMeasurement, DeclaredParameter, EffectProbe, ErrorPair,
-    OfferedMeasurement, RealErrors, ResidualPlan, ResidualStudy, StudyCondition, study_residual,
+    AddedEffect, CandidateMeasurement, EffectProbe, ErrorPair, OfferedMeasurement, RealErrors,
+    ResidualPlan, ResidualStudy, StudyCondition, study_residual,
 };
 pub use result::{
     Calibration, Comparison, ConfirmationRound, ConfirmationRow, DiagnosisStage, Estimate, FitTest,

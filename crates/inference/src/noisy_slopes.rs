@@ -1,6 +1,7 @@
 //! What the slopes of the surfaces tell beyond their own noise.
 
-use crate::joint_fit::{JointFit, Minimum, Target, Whitening};
+use crate::diagnosis::Whitener;
+use crate::joint_fit::{JointFit, Minimum, Target};
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 use probability::f_upper_tail;
 use std::ops::Range;
@@ -21,7 +22,6 @@ struct Noise {
     of_run: DMatrix<f64>,
     /// Its trace, and that of its square.
     traces: [f64; 2],
-    /// Degrees of freedom of that covariance.
     degrees_of_freedom: f64,
 }
 
@@ -57,7 +57,7 @@ pub(crate) struct StandingOut {
 pub(crate) fn standing_out(
     fit: &JointFit<'_>,
     best: &Minimum,
-    whitening: &Whitening,
+    whitening: &Whitener,
     (slopes, width): (&DMatrix<f64>, &[f64]),
 ) -> StandingOut {
     let k = slopes.ncols();
@@ -117,7 +117,7 @@ pub(crate) fn standing_out(
 pub(crate) fn noise_beside_inputs(
     fit: &JointFit<'_>,
     best: &Minimum,
-    whitening: &Whitening,
+    whitening: &Whitener,
     (known, slopes): (&StandingOut, &DMatrix<f64>),
     (of_inputs, width): (&DMatrix<f64>, &[f64]),
 ) -> DMatrix<f64> {
@@ -150,7 +150,7 @@ pub(crate) fn noise_beside_inputs(
 pub(crate) fn growth_with_distance(
     fit: &JointFit<'_>,
     best: &Minimum,
-    whitening: &Whitening,
+    whitening: &Whitener,
     (known, slopes): (&StandingOut, &DMatrix<f64>),
     (covariance, width): (&DMatrix<f64>, &[f64]),
 ) -> Vec<f64> {
@@ -158,7 +158,7 @@ pub(crate) fn growth_with_distance(
     let at = fit.natural(&best.coded);
     let noises = noises(fit, best, whitening, (0..k, width));
     let gains = covariance * slopes.rows(0, fit.targets.len()).transpose();
-    let gains = whitening.plain(&gains);
+    let gains = whitening.unwhiten_gains(&gains);
     let mut growth = vec![0.0; k];
     let blocks = fit.blocks();
     for (((first, block), noise), map) in blocks.iter().zip(&noises).zip(&known.kept) {
@@ -245,7 +245,6 @@ struct Row<'a> {
     noise: &'a Noise,
 }
 
-/// That of a block.
 fn row<'a>(
     (first, block): &(usize, &[Target]),
     noise: &'a Noise,
@@ -322,7 +321,7 @@ fn stands_out(surfaces: &[Row<'_>], along: &DVector<f64>, level: f64) -> bool {
 pub(crate) fn noise_of_inputs(
     fit: &JointFit<'_>,
     best: &Minimum,
-    whitening: &Whitening,
+    whitening: &Whitener,
     width: &[f64],
 ) -> DMatrix<f64> {
     let inputs = fit.n_tuned()..fit.parameters.len();
@@ -335,12 +334,12 @@ pub(crate) fn noise_of_inputs(
 fn noises(
     fit: &JointFit<'_>,
     best: &Minimum,
-    whitening: &Whitening,
+    whitening: &Whitener,
     (along, width): (Range<usize>, &[f64]),
 ) -> Vec<Noise> {
     let at = fit.natural(&best.coded);
     let k = along.len();
-    let of_block = |(first, block): (usize, &[Target])| {
+    let of_block = |(number, (_, block)): (usize, (usize, &[Target]))| {
         let surface = &fit.surfaces[block[0].surface];
         let of_model = surface.slope_covariance(&at);
         let mut slopes = DMatrix::zeros(k, k);
@@ -355,7 +354,7 @@ fn noises(
         let of_run =
             |a: usize, b: usize| surface.covariance[(block[a].observable, block[b].observable)];
         let of_run = DMatrix::from_fn(block.len(), block.len(), of_run);
-        let whitened = whitening.whitened(first, &of_run);
+        let whitened = whitening.whiten_block(number, &of_run);
         Noise {
             slopes,
             traces: [whitened.trace(), (&whitened * &whitened).trace()],
@@ -363,7 +362,7 @@ fn noises(
             degrees_of_freedom: surface.degrees_of_freedom,
         }
     };
-    fit.blocks().into_iter().map(of_block).collect()
+    fit.blocks().into_iter().enumerate().map(of_block).collect()
 }
 
 /// Chance that noise alone gives so many times its mean along a combination of parameters.

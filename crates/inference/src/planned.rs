@@ -48,7 +48,6 @@ impl PlannedStage {
     }
 }
 
-/// Number of runs of lists.
 fn number(lists: &[RunList]) -> usize {
     lists.iter().map(|l| l.times * l.requests.len()).sum()
 }

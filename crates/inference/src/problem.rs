@@ -123,7 +123,7 @@ pub struct Candidate {
 }
 
 /// Everything that a calibration needs besides a simulator.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct CalibrationProblem {
     /// Name.
     pub id: String,
@@ -231,16 +231,20 @@ impl CalibrationProblem {
         self.parameters.iter().filter(|p| !p.is_input).count()
     }
 
-    /// The parameters of a model that are tuned.
     pub(crate) fn tuned_of(&self, model: usize) -> Vec<usize> {
         let all = self.models[model].parameters.iter().copied();
         all.filter(|&j| !self.parameters[j].is_input).collect()
     }
 
-    /// The inputs on which a model depends.
     pub(crate) fn inputs_of(&self, model: usize) -> Vec<usize> {
         let all = self.models[model].parameters.iter().copied();
         all.filter(|&j| self.parameters[j].is_input).collect()
+    }
+
+    /// Symbols of some parameters.
+    pub(crate) fn symbols(&self, parameters: &[usize]) -> Vec<String> {
+        let symbol = |&j: &usize| self.parameters[j].symbol.clone();
+        parameters.iter().map(symbol).collect()
     }
 
     /// How many times coarser than the real ones the grains of a model are in its runs, the coarsest first: 1 alone if they are not.
@@ -365,6 +369,21 @@ impl CalibrationProblem {
 }
 
 impl Parameter {
+    /// A tuned number without a unit: its limits are its range, it starts in the middle, and it has no prior.
+    pub fn new(symbol: &str, range: [f64; 2]) -> Self {
+        Self {
+            symbol: symbol.to_owned(),
+            name: String::new(),
+            unit: "1".to_owned(),
+            sets: Vec::new(),
+            range,
+            limits: range,
+            start: 0.5 * (range[0] + range[1]),
+            prior: None,
+            is_input: false,
+        }
+    }
+
     /// Refuses values that are out of order.
     fn check(&self, wrong: &mut Vec<String>) {
         let [low, high] = self.range;

@@ -64,7 +64,6 @@ impl Region {
         (0..self.low.len()).map(|j| self.half(j)).collect()
     }
 
-    /// The point in the middle.
     pub(crate) fn middle(&self) -> Vec<f64> {
         (0..self.low.len()).map(|j| self.centre(j)).collect()
     }
@@ -93,17 +92,7 @@ mod tests {
     use crate::Parameter;
 
     fn parameter(limits: [f64; 2]) -> Parameter {
-        Parameter {
-            symbol: "a".into(),
-            name: String::new(),
-            unit: "1".into(),
-            sets: Vec::new(),
-            range: limits,
-            limits,
-            start: limits[0],
-            prior: None,
-            is_input: false,
-        }
+        Parameter::new("a", limits)
     }
 
     /// A box that would leave the limits is moved, one that is wider is cut: it never leaves them.

@@ -14,6 +14,7 @@ pub(crate) mod rivals;
 mod runs;
 mod scatter;
 mod slopes;
+mod whitened;
 mod worker;
 
 use crate::Error;
@@ -24,9 +25,9 @@ use crate::diagnosis::{
 use amplitude_search::worth_a_search;
 use campaign::{Campaign, RunRequest, Simulator};
 pub use candidates::{CandidateMeasurement, OfferedMeasurement};
-use fits::{BLOCKS_OF_FIT, FIRST_BLOCK_ANEW, FIRST_BLOCK_OF_NOISY, Fits, Looks, Visited};
+use fits::{BLOCKS_OF_FIT, FIRST_BLOCK_ANEW, FIRST_BLOCK_OF_NOISY, Fits, Remeasured, Visited};
 use linearisation::Linearisation;
-pub use plan::{DeclaredParameter, EffectProbe, ResidualPlan, StudyCondition};
+pub use plan::{EffectProbe, ResidualPlan, StudyCondition};
 use rivals::{Decided, after_and_rivals};
 use runs::At;
 use serde::{Deserialize, Serialize};
@@ -197,16 +198,16 @@ fn study_of_all(worker: &Worker<'_>, plan: &ResidualPlan) -> Result<ResidualStud
     let (mut fit, visited) = fits.declared(&linear)?;
     // The kept conditions are run once, where the fit has ended.
     let kept = fits.run(&fit.setting, fit.block, At::Kept)?;
-    let linear = linear.with_points(plan, &visited).with_scatter(&kept);
+    let linear = linear.with_points(&visited).with_scatter(&kept);
     fit.means = fit.means.with_kept(kept);
-    let Looked {
+    let Diagnosed {
         linear,
         mut file,
         diagnosis,
-        mut looks,
-    } = looked_at(&fits, linear, &fit)?;
+        mut remeasured,
+    } = remeasured_and_diagnosed(&fits, linear, &fit)?;
     // At the conditions of the fit an unknown effect may do as well; what the kept ones say is asked then.
-    let by_kept = !diagnosis.proposal.is_empty() && assemble::any_kept(plan);
+    let by_kept = !diagnosis.proposal.is_empty() && !plan.rows(At::Kept).is_empty();
     let diagnosis = if by_kept {
         diagnosis.with_proposal_named()
     } else {
@@ -218,8 +219,8 @@ fn study_of_all(worker: &Worker<'_>, plan: &ResidualPlan) -> Result<ResidualStud
         mut diagnosis,
         added,
         all_could_be_run,
-    } = fits.decided(&linear, &fit, diagnosis, &mut looks)?;
-    diagnosis.warnings.append(&mut looks.warnings);
+    } = fits.decided(&linear, &fit, diagnosis, &mut remeasured)?;
+    diagnosis.warnings.append(&mut remeasured.warnings);
     if all_could_be_run && !diagnosis.effects.is_empty() {
         // What could not be run was not refuted.
         diagnosis = checked(&fits, &linear, &fit, (&errors_before, &added), diagnosis)?;
@@ -236,15 +237,13 @@ fn study_of_all(worker: &Worker<'_>, plan: &ResidualPlan) -> Result<ResidualStud
     let pooled = linear.pooled_covariance();
     let sds = (0..pooled.len()).map(|k| pooled[k][k].sqrt());
     let names = plan.observables.iter().cloned();
-    let declared = plan.declared.iter().map(|d| d.name.clone());
-    let fitted = fit.setting.declared_values(plan);
     Ok(ResidualStudy {
         plan: plan.clone(),
         left_out,
         left_out_conditions: BTreeMap::new(),
         noise_dof: linear.least_dof(),
         run_sd: names.zip(sds).collect(),
-        fitted: declared.zip(fitted).collect(),
+        fitted: fit.setting.by_name(plan),
         simulated_before: fit.means.values,
         errors_before,
         problem: file,
@@ -256,33 +255,35 @@ fn study_of_all(worker: &Worker<'_>, plan: &ResidualPlan) -> Result<ResidualStud
 }
 
 /// A diagnosis of the linear problem, and what it was made of.
-struct Looked {
+struct Diagnosed {
     /// The slopes behind it.
     linear: Linearisation,
-    /// Its problem.
     file: ProblemFile,
-    /// What it says.
     diagnosis: Diagnosis,
     /// Which effects were looked at again.
-    looks: Looks,
+    remeasured: Remeasured,
 }
 
 /// Diagnoses the residual at the fit; what the answer hangs on is measured with further runs first: slopes that are noise,
 /// slopes of the suspects, and amplitudes that no straight line tells.
-fn looked_at(fits: &Fits<'_>, mut linear: Linearisation, fit: &Visited) -> Result<Looked, Error> {
+fn remeasured_and_diagnosed(
+    fits: &Fits<'_>,
+    mut linear: Linearisation,
+    fit: &Visited,
+) -> Result<Diagnosed, Error> {
     let plan = fits.plan;
-    let fitted = fit.setting.declared_values(plan);
+    let fitted = &fit.setting.parameters;
     let diagnosed = |linear: &Linearisation| -> Result<(ProblemFile, Diagnosis), Error> {
-        let file = assemble::problem(plan, linear, &fitted, &fit.means);
+        let file = assemble::problem(plan, linear, fitted, &fit.means);
         let diagnosis = diagnose(&Problem::try_from(file.clone())?, &Options::new(plan.seed))?;
         Ok((file, diagnosis))
     };
     let (mut file, mut diagnosis) = diagnosed(&linear)?;
-    let mut looks = Looks::default();
+    let mut remeasured = Remeasured::default();
     let noisy = fits.noisy(fit, &diagnosis);
     if !noisy.is_empty() && diagnosis.verdict != Verdict::Refused {
         let runs = noisy.into_iter().zip(FIRST_BLOCK_OF_NOISY..);
-        linear = fits.measured_anew(linear, fit, runs, &mut looks)?;
+        linear = fits.measured_anew(linear, fit, runs, &mut remeasured)?;
         (file, diagnosis) = diagnosed(&linear)?;
     }
     let quiet = [Verdict::None, Verdict::Refused, Verdict::NotTestable];
@@ -291,7 +292,7 @@ fn looked_at(fits: &Fits<'_>, mut linear: Linearisation, fit: &Visited) -> Resul
         if !suspects.is_empty() {
             let suspects = suspects.into_iter().map(|(j, setting)| (j, vec![setting]));
             let runs = suspects.zip(FIRST_BLOCK_ANEW..);
-            linear = fits.measured_anew(linear, fit, runs, &mut looks)?;
+            linear = fits.measured_anew(linear, fit, runs, &mut remeasured)?;
             (file, diagnosis) = diagnosed(&linear)?;
         }
     }
@@ -300,15 +301,15 @@ fn looked_at(fits: &Fits<'_>, mut linear: Linearisation, fit: &Visited) -> Resul
         let suspects = fits.suspects(&linear, fit, &diagnosis)?;
         let suspects = worth_a_search(&diagnosis, plan, suspects);
         if !suspects.is_empty() {
-            linear = fits.searched(linear, fit, &suspects, &mut looks)?;
+            linear = fits.searched(linear, fit, &suspects, &mut remeasured)?;
             (file, diagnosis) = diagnosed(&linear)?;
         }
     }
-    Ok(Looked {
+    Ok(Diagnosed {
         linear,
         file,
         diagnosis,
-        looks,
+        remeasured,
     })
 }
 
@@ -334,7 +335,7 @@ fn checked(
         return Ok(diagnosis);
     };
     let on_kept =
-        |values: &[Vec<f64>]| assemble::whitened(plan, linear, &fit.means.n, (values, false));
+        |values: &[Vec<f64>]| whitened::whitened(plan, linear, &fit.means.n, (values, At::Kept));
     let (without, _) = on_kept(&fit.means.values)?;
     let mut models = Vec::new();
     for model in added {
@@ -349,8 +350,7 @@ fn checked(
             },
         }));
     }
-    let unused = (0..plan.conditions.len()).filter(|&c| !plan.conditions[c].used);
-    let values = unused.map(|c| plan.measured(c).len()).sum();
+    let values = plan.rows(At::Kept).len();
     Ok(diagnosis.checked_by_runs(before.whitened_mse, &models, values))
 }
 

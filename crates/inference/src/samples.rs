@@ -10,16 +10,13 @@ const SEEDS_OF_STAGE: u64 = 100_000;
 /// Seeds that one model may use in a stage.
 const SEEDS_OF_MODEL: u64 = 1_000;
 
-/// A run that is wanted.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Wanted {
-    /// Number of the model.
     pub(crate) model: usize,
     /// Values of all parameters of the problem.
     pub(crate) at: Vec<f64>,
     /// Diameter of the grains over the real one.
     pub(crate) factor: f64,
-    /// Seed.
     pub(crate) seed: u64,
 }
 
@@ -36,7 +33,6 @@ pub(crate) struct Sample {
     pub(crate) values: BTreeMap<String, f64>,
     /// How it ended up; empty where the simulator does not tell.
     pub(crate) regime: String,
-    /// Key of its record.
     pub(crate) key: String,
 }
 
@@ -52,20 +48,15 @@ pub(crate) struct Samples {
 /// What is asked, and how large the answer may be.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Asked<'a> {
-    /// What is asked.
     pub(crate) problem: &'a CalibrationProblem,
-    /// How large it is.
     pub(crate) settings: &'a LoopSettings,
 }
 
 /// What the runs of a loop share.
 #[derive(Clone, Copy)]
 pub(crate) struct Runner<'a> {
-    /// Who runs.
     pub(crate) campaign: Campaign<'a>,
-    /// What is run.
     pub(crate) simulator: &'a dyn Simulator,
-    /// What is asked.
     pub(crate) asked: Asked<'a>,
 }
 

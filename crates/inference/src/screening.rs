@@ -20,7 +20,7 @@ pub(crate) struct Screened {
     /// Numbers of the parameters that go on, by model of role fit.
     pub(crate) active: BTreeMap<usize, Vec<usize>>,
     /// The screenings.
-    pub(crate) told: Vec<ModelScreening>,
+    pub(crate) screenings: Vec<ModelScreening>,
     /// Runs by model, for what must be said of them.
     pub(crate) runs: BTreeMap<usize, Samples>,
 }
@@ -39,17 +39,13 @@ pub(crate) fn screened(asked: Asked<'_>) -> Vec<usize> {
     models.filter(wanted).collect()
 }
 
-/// The design and the runs of a screening.
 pub(crate) fn screening_runs(
     asked: Asked<'_>,
     model: usize,
 ) -> Result<(Design, Vec<Wanted>), Error> {
     let parameters = &asked.problem.parameters;
     let active = &asked.problem.tuned_of(model);
-    let symbols: Vec<String> = active
-        .iter()
-        .map(|&j| parameters[j].symbol.clone())
-        .collect();
+    let symbols = asked.problem.symbols(active);
     let design = plackett_burman(&coded_factors(&symbols)?)?;
     let design = design.replicated(asked.settings.replicates.max(1))?;
     let points = placed(
@@ -87,14 +83,14 @@ pub(crate) fn screen_models(runner: &Runner<'_>) -> Result<Screened, Error> {
         list.extend(runs);
     }
     let done = runner.run(&list)?;
-    let mut told = Vec::new();
+    let mut screened = Vec::new();
     for (model, design) in designs {
         let samples = done.get(&model).cloned().unwrap_or_default();
         let screenings = screenings(problem, model, &design, &samples)?;
         let kept = kept(runner.asked, model, &screenings);
         let symbol = |j: &usize| problem.parameters[*j].symbol.clone();
         let all = problem.tuned_of(model);
-        told.push(ModelScreening {
+        screened.push(ModelScreening {
             model: problem.models[model].name.clone(),
             n_runs: samples.done.len(),
             kept: kept.iter().map(symbol).collect(),
@@ -109,7 +105,7 @@ pub(crate) fn screen_models(runner: &Runner<'_>) -> Result<Screened, Error> {
     }
     Ok(Screened {
         active,
-        told,
+        screenings: screened,
         runs: done,
     })
 }

@@ -1,8 +1,9 @@
 //! The search for the estimate: surfaces in a box, and the next box where the measurements are out of reach.
 
 use crate::designs::{slope_design, surface_design};
+use crate::diagnosis::Whitener;
 use crate::intervals::best_of;
-use crate::joint_fit::{JointFit, Minimum, Whitening};
+use crate::joint_fit::{JointFit, Minimum};
 use crate::lack_of_fit::{Missed, missed};
 use crate::region::Region;
 use crate::samples::{
@@ -39,23 +40,20 @@ const STAGE_OF_BOXES: u64 = 10;
 /// Surfaces over a box and what they say.
 #[derive(Debug)]
 pub(crate) struct Found {
-    /// The box.
     pub(crate) region: Region,
     /// Surfaces of the models that the fit uses.
     pub(crate) surfaces: Vec<Surface>,
     /// Local minima, the best first.
     pub(crate) minima: Vec<Minimum>,
     /// Weights at the best.
-    pub(crate) whitening: Whitening,
+    pub(crate) whitening: Whitener,
     /// Parameters that are searched.
     pub(crate) free: Vec<bool>,
     /// The best point, natural.
     pub(crate) best: Vec<f64>,
 }
 
-/// A search on its way.
 pub(crate) struct Search<'a> {
-    /// Who runs what.
     runner: Runner<'a>,
     /// Parameters of each model that its surfaces see, by model.
     active: BTreeMap<usize, Vec<usize>>,
@@ -65,7 +63,6 @@ pub(crate) struct Search<'a> {
     samples: BTreeMap<usize, Samples>,
     /// The regime that the surfaces of each model describe.
     regime: BTreeMap<usize, String>,
-    /// Boxes searched.
     pub(crate) boxes: Vec<SearchBox>,
     /// What a reader should know.
     pub(crate) remarks: Vec<String>,
@@ -163,7 +160,6 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Most boxes of the search.
     fn most_boxes(&self) -> usize {
         self.runner.settings.most_boxes.max(1)
     }
@@ -418,7 +414,7 @@ impl<'a> Search<'a> {
         }
         worst.map_or(Next::Stay, |worst| {
             let region = Region::about(&centre, &half, &problem.parameters);
-            Next::Move(region, worst.told(problem))
+            Next::Move(region, worst.in_words(problem))
         })
     }
 
@@ -432,9 +428,9 @@ impl<'a> Search<'a> {
 
     /// The surfaces of the result, over the parameters that are tuned. Their points are the runs with the inputs as stated and the
     /// coarsest grains, carried to the real size.
-    pub(crate) fn told(&self, found: &Found) -> Result<Vec<ModelSurfaces>, Error> {
+    pub(crate) fn model_surfaces(&self, found: &Found) -> Result<Vec<ModelSurfaces>, Error> {
         let problem = self.runner.problem;
-        let mut told = Vec::new();
+        let mut shown = Vec::new();
         for surface in &found.surfaces {
             let model = surface.model;
             let samples = self.samples.get(&model).cloned().unwrap_or_default();
@@ -452,48 +448,28 @@ impl<'a> Search<'a> {
             used.retain(|s| s.factor == problem.coarsest_of(model));
             let used: Vec<Sample> = used.into_iter().map(|s| surface.for_real_size(s)).collect();
             let own = |at: &[f64]| -> Vec<f64> { surface.tuned().iter().map(|&j| at[j]).collect() };
-            let mut left_out: Vec<LeftOut> = outside
-                .iter()
-                .map(|(s, reason)| LeftOut {
-                    point: own(&s.at),
-                    reason: reason.clone(),
-                })
-                .collect();
-            left_out.extend(samples.failed.iter().map(|(at, reason)| LeftOut {
+            let other = outside.iter().map(|(s, reason)| (&s.at, reason));
+            let failed = samples.failed.iter().map(|(at, reason)| (at, reason));
+            let left_out = other.chain(failed).map(|(at, reason)| LeftOut {
                 point: own(at),
                 reason: reason.clone(),
-            }));
-            let symbols: Vec<String> = surface
-                .tuned()
-                .iter()
-                .map(|&j| problem.parameters[j].symbol.clone())
-                .collect();
-            let values = |name: &String| used.iter().map(|s| s.values[name]).collect::<Vec<_>>();
-            told.push(ModelSurfaces {
+            });
+            let symbols = problem.symbols(surface.tuned());
+            let value = |k: usize, s: &Sample| s.values[&surface.observables[k]];
+            shown.push(ModelSurfaces {
                 model: problem.models[model].name.clone(),
                 design: surface_design(&symbols, self.runner.settings)?.name,
                 n_runs: all.len(),
-                shifts: (0..surface.observables.len())
-                    .map(|k| (surface.observables[k].clone(), surface.shift(k)))
-                    .collect(),
-                left_out,
+                left_out: left_out.collect(),
                 points: used.iter().map(|s| own(&s.at)).collect(),
                 keys: used.iter().map(|s| s.key.clone()).collect(),
-                values: surface
-                    .observables
-                    .iter()
-                    .map(|name| (name.clone(), values(name)))
-                    .collect(),
-                fits: surface
-                    .observables
-                    .iter()
-                    .enumerate()
-                    .map(|(k, name)| (name.clone(), surface.analysis(problem, &all, k)))
-                    .collect(),
+                values: surface.by_observable(|k| used.iter().map(|s| value(k, s)).collect()),
+                shifts: surface.by_observable(|k| surface.shift(k)),
+                fits: surface.by_observable(|k| surface.analysis(problem, &all, k)),
                 symbols,
             });
         }
-        Ok(told)
+        Ok(shown)
     }
 
     /// The regime that the surfaces of a model describe; empty where the simulator tells none.
@@ -518,10 +494,7 @@ pub(crate) fn design_runs(
     region: &Region,
 ) -> Result<Vec<Wanted>, Error> {
     let parameters = &asked.problem.parameters;
-    let symbols: Vec<String> = active
-        .iter()
-        .map(|&j| parameters[j].symbol.clone())
-        .collect();
+    let symbols = asked.problem.symbols(active);
     let design = surface_design(&symbols, asked.settings)?;
     let mut points = placed(&design.rows, active, region, parameters);
     let middle = placed(&[vec![0.0; active.len()]], active, region, parameters);

@@ -1,7 +1,8 @@
 //! The whole set of solutions: every combination of parameters that agrees with the measurements.
 
+use crate::diagnosis::Whitener;
 use crate::intervals::{best_of, crossing};
-use crate::joint_fit::{JointFit, Leash, Minimum, Whitening};
+use crate::joint_fit::{JointFit, Minimum, Penalty};
 use crate::{Error, Estimate, SolutionSet};
 use nalgebra::DVector;
 use probability::chi_squared_quantile;
@@ -17,8 +18,8 @@ const MOST_SEPARATE: usize = 8;
 const PLACES: usize = 9;
 /// How far is looked first for an end of the set, in halves of the box.
 const FIRST_LOOK: f64 = 0.05;
-/// Weight of the leash that holds such a place.
-const LEASH: f64 = 1e4;
+/// Weight of the penalty that holds such a place.
+const PENALTY: f64 = 1e4;
 
 /// Draws the set inside the box of a fit.
 ///
@@ -35,7 +36,7 @@ const LEASH: f64 = 1e4;
 pub(crate) fn solution_set(
     fit: &JointFit<'_>,
     minima: &[Minimum],
-    whitening: &Whitening,
+    whitening: &Whitener,
     estimates: &[Estimate],
     seed: u64,
 ) -> Result<SolutionSet, Error> {
@@ -108,7 +109,7 @@ pub(crate) fn solution_set(
 fn separate<'m>(
     fit: &JointFit<'_>,
     minima: &'m [Minimum],
-    whitening: &Whitening,
+    whitening: &Whitener,
     limit: f64,
 ) -> Vec<&'m Minimum> {
     let mut kept: Vec<&Minimum> = Vec::new();
@@ -126,7 +127,7 @@ fn is_joined(
     fit: &JointFit<'_>,
     from: &Minimum,
     to: &Minimum,
-    whitening: &Whitening,
+    whitening: &Whitener,
     limit: f64,
 ) -> bool {
     let (a, b) = (
@@ -141,17 +142,18 @@ fn is_joined(
     let mut start = from.coded.clone();
     (1..=PLACES).all(|place| {
         let share = place as f64 / (PLACES + 1) as f64;
-        let leash = Leash {
+        let penalty = Penalty {
             distance: direction.dot(&a) + share * length,
             direction: direction.clone(),
-            weight: LEASH,
+            weight: PENALTY,
         };
         let line: Vec<f64> = (&a + &direction * (share * length))
             .iter()
             .copied()
             .collect();
-        let low =
-            |start: &[f64]| fit.minimise(start, whitening, &fit.free, std::slice::from_ref(&leash));
+        let low = |start: &[f64]| {
+            fit.minimise(start, whitening, &fit.free, std::slice::from_ref(&penalty))
+        };
         let (along, onward) = (low(&line), low(&start));
         let better = if along.misfit < onward.misfit {
             along

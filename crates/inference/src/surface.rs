@@ -11,7 +11,6 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Least over greatest singular value of X, its columns scaled to unit length, below which the runs do not fix all terms.
 const SINGULAR: f64 = 1e-5;
 
-/// Degree of a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Degree {
     /// A mean.
@@ -36,7 +35,6 @@ struct Anchor {
 /// Surfaces of all observables of a model over the same runs.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Surface {
-    /// Number of the model.
     pub(crate) model: usize,
     /// Numbers of the parameters that it depends on; behind those that are tuned the inputs, along which it is straight.
     pub(crate) parameters: Vec<usize>,
@@ -46,13 +44,10 @@ pub(crate) struct Surface {
     coarsest: Option<f64>,
     /// Whether the trend with the size differs from place to place.
     crossed: bool,
-    /// Names of the observables.
     pub(crate) observables: Vec<String>,
     /// Where its coordinates are -1 to 1.
     region: Region,
-    /// Its degree.
     pub(crate) degree: Degree,
-    /// Its polynomials.
     polynomials: Polynomials,
     /// What a cube of each tuned parameter adds to the coefficients of the terms, `(X'X)^-1 X'Z`, (terms, tuned); empty for a plane.
     aliases: DMatrix<f64>,
@@ -62,7 +57,6 @@ pub(crate) struct Surface {
     pub(crate) covariance: DMatrix<f64>,
     /// Share by which the correlations were shrunk.
     pub(crate) shrinkage: f64,
-    /// Its degrees of freedom.
     pub(crate) degrees_of_freedom: f64,
     /// Keys of the runs whose scatter is in it.
     scatter_of: BTreeSet<String>,
@@ -162,12 +156,15 @@ impl Surface {
         None
     }
 
-    /// The parameters that are tuned.
     pub(crate) fn tuned(&self) -> &[usize] {
         &self.parameters[..self.curved]
     }
 
-    /// Place of an observable.
+    pub(crate) fn by_observable<T>(&self, value: impl Fn(usize) -> T) -> BTreeMap<String, T> {
+        let names = self.observables.iter().cloned().enumerate();
+        names.map(|(k, name)| (name, value(k))).collect()
+    }
+
     pub(crate) fn place(&self, observable: &str) -> Option<usize> {
         self.observables.iter().position(|o| o == observable)
     }
@@ -586,6 +583,7 @@ mod tests {
     use super::{Degree, Surface, shrunk};
     use crate::region::Region;
     use crate::samples::Sample;
+    use crate::{CalibrationProblem, Parameter};
     use nalgebra::DMatrix;
     use std::collections::BTreeMap;
 
@@ -680,6 +678,44 @@ mod tests {
             surface.leverage(&[1.5, 20.0]) > 0.25,
             "it knows less elsewhere"
         );
+    }
+
+    /// What is shown is the surface that is used: its value everywhere, shifted to the fresh runs, its leverage before them, and the
+    /// variance of a run, with an input and coarse grains as well, which are held as stated and at the real size (rounding).
+    #[test]
+    fn the_analysis_is_that_of_the_surface() {
+        let input = Parameter {
+            start: 20.0,
+            is_input: true,
+            ..Parameter::new("B", [10.0, 30.0])
+        };
+        let problem = CalibrationProblem {
+            parameters: vec![Parameter::new("A", [0.0, 2.0]), input],
+            ..CalibrationProblem::default()
+        };
+        let mut samples = grid();
+        for (i, sample) in samples.iter_mut().enumerate() {
+            sample.factor = if i % 3 == 0 { 2.0 } else { 3.0 };
+            let noise = 0.1 * [1.0, -2.0, 0.5, 1.5, -1.0][i % 5];
+            sample
+                .values
+                .insert("y".into(), sample.values["y"] + 0.3 * sample.factor + noise);
+        }
+        let used: Vec<_> = samples.iter().collect();
+        let fresh = sample(0.5, 20.0, 4.0);
+        let (names, most) = (["y".to_owned()], Degree::Quadratic);
+        for (tuned, inputs) in [(&[0, 1][..], &[][..]), (&[0][..], &[1][..])] {
+            let plain = Surface::fit((0, tuned, inputs), &names, &region(), &used, most).unwrap();
+            let surface = plain.anchored(&[&fresh]);
+            let shown = surface.analysis(&problem, &used, 0).unwrap();
+            assert_eq!(shown.factors.len(), tuned.len());
+            assert!((shown.mse.unwrap() - surface.covariance[(0, 0)]).abs() < 1e-12);
+            for at in [[0.3, 20.0], [1.9, 20.0]] {
+                let coded = shown.coded(&at[..tuned.len()]);
+                assert!((shown.value(&coded) - surface.value(0, &at)).abs() < 1e-12);
+                assert!((shown.leverage(&coded) - plain.leverage(&at)).abs() < 1e-12);
+            }
+        }
     }
 
     /// Of three observables over 4 degrees of freedom the products are singular; shrunk they are not. By hand: correlations 1, 0.5 and

@@ -3,7 +3,7 @@
 use crate::calibrate::Estimated;
 use crate::confirmation::Confirmed;
 use crate::search::acts;
-use crate::{CalibrationProblem, Comparison};
+use crate::{CalibrationProblem, Comparison, Role};
 use input::quantity::significant;
 
 /// Chance of a misfit below which measurements that hold one by one contradict each other together.
@@ -17,50 +17,8 @@ pub(crate) fn verdict(
     check: &[Comparison],
     confirmed: &Confirmed,
 ) -> (bool, String) {
-    let expected = |role| problem.measurements_of(role).len();
-    let missed = |rows: &[Comparison]| -> Vec<String> {
-        let rows = rows.iter().filter(|row| !row.holds);
-        rows.map(name).collect()
-    };
-    if fit.len() < expected(crate::Role::Fit) || check.len() < expected(crate::Role::Check) {
-        return (
-            false,
-            "some measurements could not be simulated at the estimate: the remarks say why".into(),
-        );
-    }
-    let not_met = missed(fit);
-    if !not_met.is_empty() {
-        let why = why_not_met(problem, estimate, confirmed);
-        return (
-            false,
-            format!("the fit does not meet {}{why}", not_met.join(", ")),
-        );
-    }
-    if let Some(p) = estimate.test.p.filter(|p| *p < CONTRADICTION) {
-        return (
-            false,
-            format!(
-                "each measurement holds, but together they contradict the model (misfit {:.1} on {} degrees of freedom, \
-                 p = {p:.2e})",
-                estimate.test.misfit, estimate.test.degrees_of_freedom
-            ),
-        );
-    }
-    let not_held = missed(check);
-    if !not_held.is_empty() {
-        return (
-            false,
-            format!(
-                "the fit is met, but the check on {} fails: the parameters do not hold there",
-                not_held.join(", ")
-            ),
-        );
-    }
-    if !confirmed.agrees {
-        return (
-            false,
-            "the fresh runs at the estimate do not agree with the surfaces it rests on".into(),
-        );
+    if let Some(why) = failure(problem, estimate, fit, check, confirmed) {
+        return (false, why);
     }
     let doubts = doubts(check);
     if let Some(why) = open_parameters(problem, estimate, confirmed) {
@@ -71,24 +29,51 @@ pub(crate) fn verdict(
     } else {
         "all measurements of the fit are met"
     };
-    if !check.is_empty() && doubts.rows == check.len() {
-        return (
-            false,
-            format!(
-                "{fit_words}, but no check could have failed{}",
-                doubts.words
-            ),
-        );
-    }
+    let met = check.is_empty() || doubts.rows < check.len();
     let check_words = match check.len() {
-        0 => "nothing was kept to check them".to_owned(),
-        1 => "the one kept for the check holds".to_owned(),
-        n => format!("the {n} kept for the check hold"),
+        _ if !met => "but no check could have failed".to_owned(),
+        0 => "and nothing was kept to check them".to_owned(),
+        1 => "and the one kept for the check holds".to_owned(),
+        n => format!("and the {n} kept for the check hold"),
     };
-    (
-        true,
-        format!("{fit_words}, and {check_words}{}", doubts.words),
-    )
+    (met, format!("{fit_words}, {check_words}{}", doubts.words))
+}
+
+/// Why a calibration fails by its measurements or its fresh runs; `None` if all hold.
+fn failure(
+    problem: &CalibrationProblem,
+    estimate: &Estimated,
+    fit: &[Comparison],
+    check: &[Comparison],
+    confirmed: &Confirmed,
+) -> Option<String> {
+    let expected = |role| problem.measurements_of(role).len();
+    let missed = |rows: &[Comparison]| {
+        let names: Vec<String> = rows.iter().filter(|row| !row.holds).map(name).collect();
+        (!names.is_empty()).then(|| names.join(", "))
+    };
+    if fit.len() < expected(Role::Fit) || check.len() < expected(Role::Check) {
+        let why = "some measurements could not be simulated at the estimate: the remarks say why";
+        return Some(why.to_owned());
+    }
+    if let Some(names) = missed(fit) {
+        let why = why_not_met(problem, estimate, confirmed);
+        return Some(format!("the fit does not meet {names}{why}"));
+    }
+    if let Some(p) = estimate.test.p.filter(|p| *p < CONTRADICTION) {
+        return Some(format!(
+            "each measurement holds, but together they contradict the model (misfit {:.1} on {} degrees of freedom, p = {p:.2e})",
+            estimate.test.misfit, estimate.test.degrees_of_freedom
+        ));
+    }
+    if let Some(names) = missed(check) {
+        return Some(format!(
+            "the fit is met, but the check on {names} fails: the parameters do not hold there"
+        ));
+    }
+    (!confirmed.agrees).then(|| {
+        "the fresh runs at the estimate do not agree with the surfaces it rests on".to_owned()
+    })
 }
 
 /// That parameters are not fixed although all measurements are met; none if all are.
@@ -167,7 +152,6 @@ const NOTICED: f64 = 0.5;
 
 /// Checks that hold and are worth next to nothing.
 struct Doubts {
-    /// Their number.
     rows: usize,
     /// Why, as further parts of the sentence.
     words: String,
@@ -187,16 +171,16 @@ fn doubts(check: &[Comparison]) -> Doubts {
         if bears <= BEARABLE * 2.0 * error || noticed {
             continue;
         }
-        let told = format!(
+        let words = format!(
             "{}, which would bear a difference of {bears:.2},",
             name(row)
         );
         if row.z_limit > BEARABLE * 2.0 && error >= of_parameters.hypot(row.simulated.se) {
-            repeats.push(told);
+            repeats.push(words);
         } else if of_parameters > row.simulated.se {
-            parameters.push(told);
+            parameters.push(words);
         } else {
-            runs.push(told);
+            runs.push(words);
         }
     }
     let part = |what: &str, rows: &[String], end: &str| {

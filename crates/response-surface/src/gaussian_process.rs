@@ -39,7 +39,6 @@ pub struct GaussianProcess {
 struct State {
     /// Coded settings of the cells.
     settings: Vec<Vec<f64>>,
-    /// The trend.
     trend: Model,
     /// Coefficients of the trend.
     coefficients: DVector<f64>,

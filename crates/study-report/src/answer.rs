@@ -169,9 +169,9 @@ fn parameters(study: &ResidualStudy) -> Option<String> {
     };
     let all: Vec<String> = study
         .plan
-        .declared
+        .parameters
         .iter()
-        .filter_map(|p| one(&p.name))
+        .filter_map(|p| one(&p.symbol))
         .collect();
     (!all.is_empty()).then(|| all.join(", "))
 }

@@ -97,13 +97,11 @@ mod tests {
     fn conditions_are_named_with_their_units() {
         let condition = |model: Option<&str>, pairs: &[(&str, f64)]| StudyCondition {
             model: model.map(str::to_owned),
-            observables: None,
             condition: pairs
                 .iter()
                 .map(|(n, v)| ((*n).to_owned(), *v))
                 .collect::<BTreeMap<_, _>>(),
-            parameters: None,
-            used: true,
+            ..StudyCondition::default()
         };
         let name = condition_name(&condition(None, &[("rpm", 5.0), ("seed_count", 418.0)]));
         assert_eq!(name, "5 rpm, 418 seeds");

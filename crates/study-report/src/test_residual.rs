@@ -2,9 +2,7 @@
 
 use campaign::run_store::{Observation, Store};
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
-use inference::{
-    EffectProbe, ResidualPlan, ResidualStudy, StudyCondition, study_residual,
-};
+use inference::{EffectProbe, ResidualPlan, ResidualStudy, StudyCondition, study_residual};
 use probability::random_stream::Stream;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
@@ -20,12 +18,10 @@ impl Simulator for Twins {
     fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
         let bent = request.effect("bend") + request.effect("bow");
         let mut stream = Stream::new(request.seed, &format!("{request}"));
-        let angle = Observation {
-            mean: 30.0 + bent * request.condition("rpm")? + 0.1 * stream.normal(),
-            sd: None,
-            n: 1,
-            unit: "deg".into(),
-        };
+        let angle = Observation::of_one(
+            30.0 + bent * request.condition("rpm")? + 0.1 * stream.normal(),
+            "deg",
+        );
         Ok(RunOutcome::default().with_observable("angle_deg", angle))
     }
 }
@@ -62,7 +58,7 @@ fn study() -> ResidualStudy {
         base: RunRequest::new("twins", 1),
         conditions: SPEEDS.iter().map(condition).collect(),
         observables: vec!["angle_deg".into()],
-        declared: Vec::new(),
+        parameters: Vec::new(),
         effects: vec![probe("bend"), probe("bow")],
         replicates: 4,
         seed: 1,

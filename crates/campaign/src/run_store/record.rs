@@ -20,6 +20,18 @@ pub struct Observation {
     pub unit: String,
 }
 
+impl Observation {
+    /// A single value.
+    pub fn of_one(mean: f64, unit: &str) -> Self {
+        Self {
+            mean,
+            sd: None,
+            n: 1,
+            unit: unit.to_owned(),
+        }
+    }
+}
+
 /// A finished run: what it depended on, and what came out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

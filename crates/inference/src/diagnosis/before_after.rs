@@ -1,6 +1,6 @@
 //! The error before and after: on the conditions used, and on those kept for the check.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use probability::random_stream::Stream;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -160,7 +160,6 @@ fn left_over(part: &Part, fit: &Fit) -> DVector<f64> {
     residual
 }
 
-/// Errors of one part.
 fn part_errors(
     problem: &Problem,
     part: &Part,
@@ -168,10 +167,7 @@ fn part_errors(
     seed: u64,
 ) -> Result<PartErrors, Error> {
     let whitener = part.covariance.whitener()?;
-    let white = |residual: &DVector<f64>| {
-        let column = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
-        whitener.whiten(&column).column(0).into_owned()
-    };
+    let white = |residual: &DVector<f64>| whitener.whiten_vector(residual);
     let n = part.rows.len() as f64;
     let constant = -0.5 * (whitener.ln_determinant / n + std::f64::consts::TAU.ln());
     let mean_square = |residual: &DVector<f64>| white(residual).norm_squared() / n;
@@ -220,13 +216,10 @@ fn part_errors(
 /// A sum over the rows of a condition.
 #[derive(Debug, Clone, Copy)]
 struct ConditionSum {
-    /// The sum.
     sum: f64,
-    /// Number of rows.
     rows: f64,
 }
 
-/// Sums of squares by condition.
 fn by_condition(part: &Part, white: &DVector<f64>) -> Vec<ConditionSum> {
     let mut sums: BTreeMap<usize, ConditionSum> = BTreeMap::new();
     for (row, value) in part.rows.iter().zip(white.iter()) {

@@ -10,13 +10,11 @@ const FLAT: f64 = 1e-10;
 /// Where a sum of squares is least inside a box.
 #[derive(Debug, Clone)]
 pub(crate) struct Solution {
-    /// The coefficients.
     pub(crate) coefficients: DVector<f64>,
     /// Whether each is free; the others are held at a bound.
     pub(crate) free: Vec<bool>,
     /// The space of the free columns.
     pub(crate) space: Space,
-    /// What remains of the target.
     pub(crate) remaining: DVector<f64>,
 }
 
@@ -115,7 +113,6 @@ fn descend(
     }
 }
 
-/// The free columns.
 fn columns(matrix: &DMatrix<f64>, free: &[bool]) -> DMatrix<f64> {
     let kept: Vec<usize> = (0..free.len()).filter(|&j| free[j]).collect();
     matrix.select_columns(&kept)

@@ -20,21 +20,15 @@ use crate::diagnosis::problem_file::{
     Condition, CovarianceInput, Largest, Level, PriorPrecision, ProblemFile,
 };
 
-/// The raw lists that make one part.
 struct RawPart<'a> {
     /// Prefix of the keys, for errors.
     prefix: &'static str,
-    /// Its conditions.
     conditions: &'a [Condition],
-    /// Its residuals.
     residual: &'a [Option<f64>],
     /// Its sensitivities to the declared parameters.
     declared: &'a [Vec<f64>],
-    /// Its sensitivities to the library.
     library: &'a [Vec<f64>],
-    /// Covariance of the measurement.
     measurement: Option<&'a CovarianceInput>,
-    /// Covariance of the simulator.
     simulator: Option<&'a CovarianceInput>,
 }
 
@@ -92,7 +86,6 @@ impl TryFrom<ProblemFile> for Problem {
     }
 }
 
-/// The lists of the used part.
 fn used_lists(file: &ProblemFile) -> RawPart<'_> {
     RawPart {
         prefix: "",
@@ -276,7 +269,6 @@ fn slope_noise(file: &ProblemFile, n: usize) -> Result<Vec<SlopeNoise>, Error> {
         .collect())
 }
 
-/// Limits of the shifts.
 fn limits(file: &ProblemFile, n: usize) -> Result<Vec<[f64; 2]>, Error> {
     if file.shift_limits.is_empty() {
         return Ok(vec![[f64::NEG_INFINITY, f64::INFINITY]; n]);

@@ -11,7 +11,6 @@ const SMALLEST_PIVOT: f64 = 1e-12;
 /// A covariance of diagonal blocks that follow each other; a full matrix is one block.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Covariance {
-    /// The blocks.
     blocks: Vec<DMatrix<f64>>,
     /// What each block belongs to, for errors; same order.
     labels: Vec<String>,
@@ -27,12 +26,10 @@ pub(crate) struct Whitener {
 }
 
 impl Covariance {
-    /// Joins blocks with their labels.
     pub(crate) fn new(blocks: Vec<DMatrix<f64>>, labels: Vec<String>) -> Self {
         Self { blocks, labels }
     }
 
-    /// Number of rows.
     pub(crate) fn rows(&self) -> usize {
         self.blocks.iter().map(DMatrix::nrows).sum()
     }
@@ -117,7 +114,6 @@ impl Covariance {
         noise
     }
 
-    /// The whole matrix.
     pub(crate) fn whole(&self) -> DMatrix<f64> {
         let n = self.rows();
         let mut whole = DMatrix::zeros(n, n);
@@ -132,27 +128,55 @@ impl Covariance {
 }
 
 impl Whitener {
-    /// Gives L^-1 times a matrix of the same rows.
-    pub(crate) fn whiten(&self, matrix: &DMatrix<f64>) -> DMatrix<f64> {
-        self.by_block(matrix, |factor, part| {
-            factor
-                .solve_lower_triangular(&part)
-                .expect("the factorisation has refused zero pivots")
-        })
+    /// Gives L^-1 times a vector of the same rows.
+    pub(crate) fn whiten_vector(&self, vector: &DVector<f64>) -> DVector<f64> {
+        let column = DMatrix::from_column_slice(vector.len(), 1, vector.as_slice());
+        self.whiten(&column).column(0).into_owned()
     }
 
-    /// Applies something to the rows of each block.
+    /// Gives L^-1 C L'^-1 for a covariance C of the same rows.
+    pub(crate) fn whiten_covariance(&self, covariance: &DMatrix<f64>) -> DMatrix<f64> {
+        self.whiten(&self.whiten(covariance).transpose())
+    }
+
+    /// Gives L^-1 times a matrix of the same rows.
+    pub(crate) fn whiten(&self, matrix: &DMatrix<f64>) -> DMatrix<f64> {
+        self.by_block(matrix, |factor, part| factor.solve_lower_triangular(&part))
+    }
+
+    /// Gives L^-1 C L'^-1 of one block alone, by its number.
+    pub(crate) fn whiten_block(&self, block: usize, covariance: &DMatrix<f64>) -> DMatrix<f64> {
+        let factors = vec![self.factors[block].clone()];
+        let ln_determinant = 0.0;
+        let alone = Self {
+            factors,
+            ln_determinant,
+        };
+        alone.whiten_covariance(covariance)
+    }
+
+    /// Gives G L^-1 for rows of gains from whitened values: the gains from the values themselves.
+    pub(crate) fn unwhiten_gains(&self, gains: &DMatrix<f64>) -> DMatrix<f64> {
+        // (G L^-1)' = L'^-1 G'.
+        let solved = self.by_block(&gains.transpose(), |factor, part| {
+            factor.tr_solve_lower_triangular(&part)
+        });
+        solved.transpose()
+    }
+
+    /// Solves something for the rows of each block.
     fn by_block(
         &self,
         matrix: &DMatrix<f64>,
-        apply: impl Fn(&DMatrix<f64>, DMatrix<f64>) -> DMatrix<f64>,
+        solve: impl Fn(&DMatrix<f64>, DMatrix<f64>) -> Option<DMatrix<f64>>,
     ) -> DMatrix<f64> {
         let mut result = matrix.clone();
         let mut start = 0;
         for factor in &self.factors {
             let m = factor.nrows();
             let part = matrix.rows(start, m).into_owned();
-            result.rows_mut(start, m).copy_from(&apply(factor, part));
+            let solved = solve(factor, part).expect("the factorisation has refused zero pivots");
+            result.rows_mut(start, m).copy_from(&solved);
             start += m;
         }
         result
@@ -211,8 +235,7 @@ mod tests {
     fn whitened_covariance_is_the_identity() {
         let covariance = two_blocks();
         let whitener = covariance.whitener().unwrap();
-        let half = whitener.whiten(&covariance.whole());
-        let whole = whitener.whiten(&half.transpose());
+        let whole = whitener.whiten_covariance(&covariance.whole());
         assert!((whole - DMatrix::identity(3, 3)).amax() < 1e-15);
         assert!((whitener.ln_determinant - 63.0_f64.ln()).abs() < 1e-14);
     }

@@ -22,7 +22,6 @@ const MISSED: f64 = 0.1 * ALPHA / 2.0;
 /// A verdict with what it rests on.
 #[derive(Debug, Clone)]
 pub(crate) struct Decision {
-    /// The verdict.
     pub(crate) verdict: Verdict,
     /// The effects that are named or tied (numbers in the library).
     pub(crate) effects: Vec<usize>,
@@ -36,7 +35,6 @@ pub(crate) struct Decision {
     pub(crate) recheck: Option<usize>,
     /// Nothing on.
     pub(crate) nominal: Fit,
-    /// The gates of it.
     pub(crate) gates: Gates,
     /// One effect on, for each of the library.
     pub(crate) singles: Vec<Fit>,
@@ -88,7 +86,6 @@ struct Taken {
     ln_factor_of_unknown: f64,
 }
 
-/// Decides about a problem.
 pub(crate) fn decide(problem: &Problem, options: &Options) -> Result<Decision, Error> {
     let nominal = Fit::new(problem, &[])?;
     let testable = testable(problem, &nominal);

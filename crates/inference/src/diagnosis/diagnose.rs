@@ -119,7 +119,6 @@ pub fn diagnose(problem: &Problem, options: &Options) -> Result<Diagnosis, Error
 
 /// A decision that has met the unused conditions.
 pub(crate) struct Checked {
-    /// The decision.
     pub(crate) decision: Decision,
     /// The errors before and after; none where nothing could be tried.
     pub(crate) before_after: Option<BeforeAfter>,

@@ -53,7 +53,6 @@ pub(crate) struct Fit {
     /// Their amplitudes; 0 where the sign constraint holds one back, the largest possible one where the
     /// data ask for more.
     pub(crate) amplitudes: Vec<f64>,
-    /// Standard errors of the amplitudes.
     pub(crate) standard_errors: Vec<f64>,
     /// Re-tuning of the declared parameters, in their units.
     pub(crate) shift: DVector<f64>,
@@ -78,7 +77,6 @@ pub(crate) struct Fit {
 /// A declared parameter that the data would move beyond its limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Held {
-    /// Its number.
     pub(crate) parameter: usize,
     /// 1 at its upper limit, -1 at its lower one.
     pub(crate) side: f64,
@@ -115,7 +113,6 @@ pub(crate) struct SmoothTest {
 }
 
 impl Fit {
-    /// Fits a problem with these effects on.
     pub(crate) fn new(problem: &Problem, effects: &[usize]) -> Result<Self, Error> {
         let noisy = problem.used.has_noisy_sensitivities();
         let mut fit = Self::constrained(problem, effects, &DVector::zeros(0), &[])?;
@@ -344,7 +341,6 @@ impl Fit {
         self.outside_of_white(&white.resize_vertically(self.remaining.len(), 0.0))
     }
 
-    /// The same of whitened columns.
     fn outside_of_white(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
         let mut outside = self.space.outside_columns(columns);
         let whole = columns.column_iter().map(|c| c.norm());
@@ -414,8 +410,7 @@ impl Whitened {
             }
         }
         let whitener = covariance.whitener()?;
-        let column = DMatrix::from_column_slice(part.residual.len(), 1, part.residual.as_slice());
-        let mut residual = whitener.whiten(&column).column(0).into_owned();
+        let mut residual = whitener.whiten_vector(&part.residual);
         let mut declared = whitener.whiten(&part.declared);
         let mut library = whitener.whiten(&part.library);
         let mut smooth = whitener.whiten(&smooth_basis(part));
@@ -439,10 +434,12 @@ impl Whitened {
 
     /// Trace of the covariance of a noisy column, whitened and outside a space of such rows.
     fn noise_outside(&self, noise: &Covariance, space: &Space) -> f64 {
-        let half = self.whitener.whiten(&noise.whole());
         let n = self.residual.len();
         // The rows of the prior have no noise.
-        let whole = self.whitener.whiten(&half.transpose()).resize(n, n, 0.0);
+        let whole = self
+            .whitener
+            .whiten_covariance(&noise.whole())
+            .resize(n, n, 0.0);
         space.outside_columns(&whole).trace()
     }
 }

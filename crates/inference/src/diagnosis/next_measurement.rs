@@ -87,9 +87,7 @@ enum Question {
 
 /// A question with its purpose and the value that would do.
 struct Task {
-    /// What it is for.
     purpose: Purpose,
-    /// The question.
     question: Question,
     /// Numbers of the effects concerned.
     effects: Vec<usize>,
@@ -421,7 +419,6 @@ fn longest_for_parameters(problem: &Problem) -> usize {
     problem.declared.len() / rows_each + 1
 }
 
-/// What to do, in words.
 fn advice(purpose: Purpose, first: Option<&PlannedExperiment>, reached: bool) -> String {
     let what = match purpose {
         Purpose::BreakTie => "to tell the tied effects apart",

@@ -6,12 +6,11 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 
 use crate::diagnosis::covariance::Covariance;
-use crate::diagnosis::decision::decide;
 use crate::diagnosis::fit::Fit;
-use crate::diagnosis::outcome::Verdict;
 use crate::diagnosis::problem::{Candidate, Part, Problem, Row, SlopeNoise};
 use crate::diagnosis::problem_file::{Condition, Level, Sign};
-use crate::diagnosis::{Error, Options};
+use crate::diagnosis::trials::Design;
+use crate::diagnosis::{Error, TrialRow, Truth};
 
 /// Draws of the null distribution in each campaign: the level of a gate is then right within 0.007.
 const DRAWS: usize = 500;
@@ -79,89 +78,60 @@ pub fn power(
     campaigns: usize,
     seed: u64,
 ) -> Result<Vec<Power>, Error> {
-    sizes
-        .iter()
-        .map(|&size| {
-            let mut stream = Stream::new(seed, &format!("power {size}"));
-            let mut counts = [0_usize; 5];
-            for k in 0..campaigns {
-                let options = Options {
-                    draws: DRAWS,
-                    ..Options::new(seed + k as u64)
-                };
-                counts[campaign(design, size, &options, &mut stream)?] += 1;
-            }
-            let share = |k: usize| counts[k] as f64 / campaigns.max(1) as f64;
-            Ok(Power {
-                size,
-                campaigns,
-                named: share(0),
-                tied: share(1),
-                wrong: share(2),
-                unknown: share(3),
-                unseen: share(4),
-            })
-        })
-        .collect()
+    let of_size = |&size: &f64| {
+        let mut stream = Stream::new(seed, &format!("power {size}"));
+        let mut rows = Vec::new();
+        for k in 0..campaigns as u64 {
+            rows.push(campaign(design, size, seed + k, &mut stream)?);
+        }
+        Ok(Power::of(size, &rows))
+    };
+    sizes.iter().map(of_size).collect()
 }
 
-/// One campaign: 0 named, 1 tied, 2 wrong, 3 unknown, 4 unseen.
+/// One campaign in which an effect of a size is hidden, as [trials](crate::diagnosis::trials) draw it.
 fn campaign(
     design: &PowerDesign,
     size: f64,
-    options: &Options,
+    seed: u64,
     stream: &mut Stream,
-) -> Result<usize, Error> {
-    if degrees_of_freedom(design) == 0 || design.effects.is_empty() {
-        return Ok(4);
-    }
+) -> Result<TrialRow, Error> {
     let mut problem = drawn_problem(design, stream);
     // Lengths of the effects after re-tuning, with the true sensitivities of the parameters.
     let nominal = Fit::new(&problem, &[])?;
-    let lengths: Vec<Option<f64>> = (0..design.effects.len())
-        .map(|j| {
-            let score = nominal.score(j, &problem.candidates[j]);
-            score.map(|s| s.length)
-        })
-        .collect();
+    let length = |j: usize| Some(nominal.score(j, &problem.candidates[j])?.length);
+    let lengths: Vec<Option<f64>> = (0..design.effects.len()).map(length).collect();
     let seen: Vec<usize> = (0..lengths.len())
         .filter(|&j| lengths[j].is_some())
         .collect();
-    if seen.is_empty() {
-        return Ok(4);
+    if degrees_of_freedom(design) == 0 || seen.is_empty() {
+        let mut unseen = TrialRow::new(&Truth::Nothing, 1);
+        unseen.none = 1;
+        return Ok(unseen);
     }
-    let hidden = seen[stream.below(seen.len())];
-    for (j, length) in lengths.iter().enumerate() {
-        let scale = length.map_or(1.0, |length| size / length);
-        let scaled = problem.used.library.column(j) * scale;
-        problem.used.library.set_column(j, &scaled);
-    }
+    let name = problem.candidates[seen[stream.below(seen.len())]]
+        .name
+        .clone();
     let part = &mut problem.used;
-    let total: Vec<f64> = design.simulated_variance.iter().map(|q| 1.0 + q).collect();
-    part.residual = part.library.column(hidden) + noise(&total, stream);
     // What the rules see: a difference of two means for a parameter, one mean for an effect, whose other is in the residual.
     let of_step: Vec<f64> = design.simulated_variance.iter().map(|q| 2.0 * q).collect();
-    for k in 0..design.declared.len() {
-        let variances = masked(design, &design.declared[k], &of_step);
-        let noisy = part.declared.column(k) + noise(&variances, stream);
-        part.declared.set_column(k, &noisy);
-        let noise = SlopeNoise::of_one(k, design.declared.len(), diagonal(&variances));
-        part.declared_noise.push(noise);
+    for (k, acts) in design.declared.iter().enumerate() {
+        let noise = diagonal(&masked(design, acts, &of_step));
+        let n = design.declared.len();
+        part.declared_noise.push(SlopeNoise::of_one(k, n, noise));
     }
-    for j in 0..design.effects.len() {
-        let variances = masked(design, &design.effects[j], &design.simulated_variance);
-        let noisy = part.library.column(j) + noise(&variances, stream);
-        part.library.set_column(j, &noisy);
-        part.library_noise.push(diagonal(&variances));
+    for (j, acts) in design.effects.iter().enumerate() {
+        // Each effect is run at the size at which it would be hidden.
+        let scaled = part.library.column(j) * lengths[j].map_or(1.0, |length| size / length);
+        part.library.set_column(j, &scaled);
+        let noise = diagonal(&masked(design, acts, &design.simulated_variance));
+        part.library_noise.push(noise);
     }
-    let decision = decide(&problem, options)?;
-    let holds = decision.effects.contains(&hidden);
-    Ok(match decision.verdict {
-        Verdict::Named if decision.effects == [hidden] => 0,
-        Verdict::Named | Verdict::Tie => 2 - usize::from(holds),
-        Verdict::Unknown | Verdict::Recheck => 3,
-        Verdict::None | Verdict::NotTestable | Verdict::Refused => 4,
-    })
+    let truth = Truth::Effect {
+        name,
+        strength: size,
+    };
+    Design::new(&problem)?.row(&truth, 1, seed, DRAWS)
 }
 
 /// A problem with random true sensitivities and no residual yet.
@@ -279,10 +249,22 @@ fn diagonal(variances: &[f64]) -> Covariance {
     Covariance::new(each.collect(), vec!["value".to_owned(); variances.len()])
 }
 
-/// Independent noise of these variances.
-fn noise(variances: &[f64], stream: &mut Stream) -> DVector<f64> {
-    let each = variances.iter().map(|v| v.sqrt() * stream.normal());
-    DVector::from_iterator(variances.len(), each)
+impl Power {
+    /// The shares of campaigns in which effects of a size were hidden.
+    pub fn of(size: f64, rows: &[TrialRow]) -> Self {
+        let sum = |count: fn(&TrialRow) -> usize| rows.iter().map(count).sum::<usize>();
+        let campaigns = sum(|row| row.trials);
+        let share = |count: usize| count as f64 / campaigns.max(1) as f64;
+        Self {
+            size,
+            campaigns,
+            named: share(sum(|row| row.named)),
+            tied: share(sum(|row| row.tied)),
+            wrong: share(sum(|row| row.false_name)),
+            unknown: share(sum(|row| row.unknown + row.recheck)),
+            unseen: share(sum(|row| row.none)),
+        }
+    }
 }
 
 impl PowerDesign {

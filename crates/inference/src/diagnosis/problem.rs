@@ -8,13 +8,10 @@ use crate::diagnosis::problem_file::{Condition, Level, Sign};
 /// A residual to be diagnosed, made of a [`crate::diagnosis::ProblemFile`] that has passed all checks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Problem {
-    /// Its name.
     pub(crate) id: String,
-    /// Names of the observables.
     pub(crate) observables: Vec<String>,
     /// Names of the declared parameters.
     pub(crate) declared: Vec<String>,
-    /// The library.
     pub(crate) candidates: Vec<Candidate>,
     /// What the parameters were fitted to.
     pub(crate) used: Part,
@@ -37,7 +34,6 @@ pub struct Problem {
 /// An effect of the library.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Candidate {
-    /// Its name.
     pub(crate) name: String,
     /// Physically least and greatest amplitude; none when there is no limit.
     pub(crate) ends: Option<[f64; 2]>,
@@ -62,16 +58,13 @@ impl Candidate {
 /// Where a row of the residual belongs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Row {
-    /// Number of its condition.
     pub(crate) condition: usize,
-    /// Number of its observable.
     pub(crate) observable: usize,
 }
 
 /// The rows of some conditions.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Part {
-    /// The conditions.
     pub(crate) conditions: Vec<Condition>,
     /// Where each row belongs (rows), by condition, then observable.
     pub(crate) rows: Vec<Row>,
@@ -96,12 +89,10 @@ pub(crate) struct SlopeNoise {
     /// Shares of the parameters: the error is e times `along` transposed, and what it makes of a shift is e times
     /// `along . shift`.
     pub(crate) along: DVector<f64>,
-    /// Covariance of e.
     pub(crate) covariance: Covariance,
 }
 
 impl SlopeNoise {
-    /// That of one parameter of n alone.
     pub(crate) fn of_one(parameter: usize, n: usize, covariance: Covariance) -> Self {
         let along = DVector::from_fn(n, |k, _| f64::from(u8::from(k == parameter)));
         Self { along, covariance }
@@ -120,9 +111,7 @@ pub(crate) struct Prior {
 /// An experiment that could be done next.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Experiment {
-    /// Its name.
     pub(crate) name: String,
-    /// Covariance of its rows.
     pub(crate) covariance: Covariance,
     /// Sensitivities to the declared parameters (its rows, parameters).
     pub(crate) declared: DMatrix<f64>,
@@ -132,7 +121,6 @@ pub(crate) struct Experiment {
     pub(crate) effects: Option<Vec<usize>>,
     /// The runs behind its sensitivities; none where these are exact.
     pub(crate) runs: Option<RunNoise>,
-    /// Cost relative to the others.
     pub(crate) cost: f64,
 }
 
@@ -146,7 +134,6 @@ pub(crate) struct RunNoise {
 }
 
 impl Experiment {
-    /// Whether it tells of an effect.
     pub(crate) fn tells_of(&self, effect: usize) -> bool {
         let told = self.effects.as_ref();
         told.is_none_or(|told| told.contains(&effect))
@@ -200,7 +187,6 @@ impl Problem {
 }
 
 impl Part {
-    /// Whether a sensitivity has noise of its own.
     pub(crate) fn has_noisy_sensitivities(&self) -> bool {
         !self.declared_noise.is_empty() || !self.library_noise.is_empty()
     }
@@ -226,7 +212,6 @@ impl Part {
         }
     }
 
-    /// Words for a condition.
     pub(crate) fn label(&self, condition: usize) -> String {
         self.conditions
             .get(condition)

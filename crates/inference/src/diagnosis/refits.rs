@@ -41,7 +41,6 @@ pub struct Refit {
 }
 
 impl RefittedModel {
-    /// Sum of squares that it leaves.
     fn sum_of_squares(&self) -> f64 {
         self.residual.iter().map(|r| r * r).sum()
     }
@@ -230,7 +229,6 @@ fn groups(sets: &[Vec<String>]) -> Vec<Vec<String>> {
     groups
 }
 
-/// All members of groups, once each.
 fn members(groups: &[Vec<String>]) -> Vec<String> {
     let mut all: Vec<String> = Vec::new();
     for name in groups.iter().flatten() {
@@ -246,7 +244,6 @@ mod tests {
     use super::{RefittedModel, groups};
     use probability::random_stream::Stream;
 
-    /// Values in a campaign.
     const VALUES: usize = 18;
     /// Share of the runs in the variance of a residual.
     const SHARE: f64 = 0.4;

@@ -141,7 +141,6 @@ mod tests {
     use super::shapes;
     use crate::diagnosis::problem_file::{Condition, Level};
 
-    /// A condition of a drum.
     fn drum(rpm: f64, fill: f64, wall: &str) -> Condition {
         Condition::from([
             ("rpm".into(), Level::Number(rpm)),

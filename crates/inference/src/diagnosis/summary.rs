@@ -44,7 +44,6 @@ pub(crate) fn summary(d: &Diagnosis) -> String {
     text
 }
 
-/// Appends a sentence.
 fn append(text: &mut String, sentence: std::fmt::Arguments<'_>) {
     // Writing to a string cannot fail.
     let _ = text.write_fmt(sentence);
@@ -77,7 +76,6 @@ fn none(d: &Diagnosis) -> String {
     text
 }
 
-/// Effects are named.
 fn named(d: &Diagnosis) -> String {
     // Amplitudes of one fit: an effect that is named beside another has its own share only there.
     let amplitudes: Vec<String> = d

@@ -16,7 +16,6 @@ pub(crate) struct Rows {
     declared: DMatrix<f64>,
     /// l~ (rows, effects).
     library: DMatrix<f64>,
-    /// Noise of the sensitivities of some of the rows.
     noise: Vec<RowNoise>,
 }
 
@@ -37,7 +36,6 @@ enum NoiseKind {
     Columns(Vec<(DVector<f64>, DMatrix<f64>)>, Vec<DMatrix<f64>>),
     /// Means of runs at a point and a step beside it in each column.
     Runs {
-        /// Covariance of each mean.
         of_mean: DMatrix<f64>,
         /// One over the step of each declared parameter, and behind them of each effect; 0 where it has the noise of the
         /// point.
@@ -61,10 +59,7 @@ impl Rows {
     pub(crate) fn of(problem: &Problem) -> Result<Self, Error> {
         let part = &problem.used;
         let whitener = part.covariance.whitener()?;
-        let white = |covariance: &DMatrix<f64>| {
-            let half = whitener.whiten(covariance);
-            whitener.whiten(&half.transpose())
-        };
+        let white = |covariance: &DMatrix<f64>| whitener.whiten_covariance(covariance);
         let of_slopes =
             |noise: &SlopeNoise| (noise.along.clone(), white(&noise.covariance.whole()));
         let kind = NoiseKind::Columns(
@@ -89,18 +84,16 @@ impl Rows {
         })
     }
 
-    /// Those of an experiment alone.
     pub(crate) fn of_experiment(experiment: &Experiment) -> Result<Self, Error> {
         let whitener = experiment.covariance.whitener()?;
         let noise = experiment.runs.iter().map(|runs| {
-            let half = whitener.whiten(&runs.of_mean);
-            RowNoise {
-                first: 0,
-                kind: NoiseKind::Runs {
-                    of_mean: whitener.whiten(&half.transpose()),
-                    inverse_steps: runs.inverse_steps.clone(),
-                },
-            }
+            let of_mean = whitener.whiten_covariance(&runs.of_mean);
+            let inverse_steps = runs.inverse_steps.clone();
+            let kind = NoiseKind::Runs {
+                of_mean,
+                inverse_steps,
+            };
+            RowNoise { first: 0, kind }
         });
         Ok(Self {
             declared: whitener.whiten(&experiment.declared),

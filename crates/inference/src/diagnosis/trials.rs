@@ -116,6 +116,22 @@ pub struct NearestEffect {
 }
 
 impl TrialRow {
+    /// A row of so many campaigns, none of which is counted yet.
+    pub(crate) fn new(truth: &Truth, trials: usize) -> Self {
+        Self {
+            truth: truth.clone(),
+            trials,
+            none: 0,
+            named: 0,
+            tied: 0,
+            false_name: 0,
+            unknown: 0,
+            recheck: 0,
+            nearest: None,
+            unused: None,
+        }
+    }
+
     /// Share of campaigns in which anything is reported.
     pub fn alarm(&self) -> f64 {
         1.0 - self.none as f64 / self.trials.max(1) as f64
@@ -153,7 +169,8 @@ pub fn trials(
     // Each truth has numbers of its own: threads change no bit.
     let rows = || {
         let rows = truths.par_iter();
-        rows.map(|truth| design.row(truth, number, seed)).collect()
+        rows.map(|truth| design.row(truth, number, seed, DRAWS))
+            .collect()
     };
     match ThreadPoolBuilder::new().num_threads(threads).build() {
         Ok(pool) => pool.install(rows),
@@ -189,7 +206,7 @@ pub fn usual_truths(problem: &Problem, strength: f64) -> Result<Vec<Truth>, Erro
 }
 
 /// A design with its exact sensitivities.
-struct Design<'a> {
+pub(crate) struct Design<'a> {
     /// The problem.
     problem: &'a Problem,
     /// Nothing on.
@@ -202,7 +219,7 @@ struct Design<'a> {
 
 impl<'a> Design<'a> {
     /// Takes a problem for its design.
-    fn new(problem: &'a Problem) -> Result<Self, Error> {
+    pub(crate) fn new(problem: &'a Problem) -> Result<Self, Error> {
         let nominal = Fit::new(problem, &[])?;
         Ok(Self {
             parameter_root: scaled_root(&nominal.parameter_covariance()),
@@ -219,28 +236,24 @@ impl<'a> Design<'a> {
     }
 
     /// All campaigns of one truth.
-    fn row(&self, truth: &Truth, number: usize, seed: u64) -> Result<TrialRow, Error> {
+    pub(crate) fn row(
+        &self,
+        truth: &Truth,
+        number: usize,
+        seed: u64,
+        draws: usize,
+    ) -> Result<TrialRow, Error> {
         let mut streams = Streams {
             used: Stream::new(seed, &format!("trials: {truth:?}")),
             unused: Stream::new(seed, &format!("trials, unused conditions: {truth:?}")),
         };
-        let mut row = TrialRow {
-            truth: truth.clone(),
-            trials: number,
-            none: 0,
-            named: 0,
-            tied: 0,
-            false_name: 0,
-            unknown: 0,
-            recheck: 0,
-            nearest: self.nearest(truth)?,
-            unused: None,
-        };
+        let mut row = TrialRow::new(truth, number);
+        row.nearest = self.nearest(truth)?;
         let mut unused = Vec::new();
         for trial in 0..number as u64 {
             let (problem, hidden) = self.campaign(truth, &mut streams)?;
             let options = Options {
-                draws: DRAWS,
+                draws,
                 ..Options::new(seed.wrapping_add(trial))
             };
             let checked = decide_and_check(&problem, &options)?;

@@ -3,7 +3,8 @@
 use super::fits::{Fits, Refitted, Visited};
 use super::linearisation::Linearisation;
 use super::runs::{self, Means, Setting};
-use super::{EffectProbe, assemble, refit};
+use super::whitened::whitened_runs;
+use super::{assemble, refit};
 use crate::Error;
 use crate::diagnosis::{Amplitude, least_squares_step};
 use nalgebra::{DMatrix, DVector};
@@ -36,11 +37,9 @@ fn response(bend: f64, a: f64) -> f64 {
 /// Runs at one amplitude.
 #[derive(Debug, Clone)]
 struct Node {
-    /// The amplitude.
     amplitude: f64,
     /// Whitened residual of these runs, less what the parameters do on the way to the end of the fit.
     residual: DVector<f64>,
-    /// Block of seeds.
     block: u64,
 }
 
@@ -73,13 +72,11 @@ struct Curve {
     bend: f64,
     /// Share of the noise that runs of one block do not share.
     own_noise: f64,
-    /// Quantile of the test.
     quantile: f64,
 }
 
 /// A test at one amplitude and another, as long as the same parameters are held at their bounds.
 struct Projected {
-    /// Which parameters are free.
     free: Vec<bool>,
     /// What the effect does beside them.
     along: DVector<f64>,
@@ -162,7 +159,6 @@ impl Curve {
         }
     }
 
-    /// The statistic at an amplitude.
     fn statistic(&self, a: f64, known: &mut Option<Projected>) -> f64 {
         let weights = self.weights(a);
         let residual = self.mixed(&weights);
@@ -251,10 +247,8 @@ impl Fits<'_> {
     ) -> Result<BTreeMap<String, Amplitude>, Error> {
         let mut found = BTreeMap::new();
         let mut points = vec![model.end.clone()];
-        if let [name] = &model.effects[..] {
-            let mut off = fit.clone();
-            off.setting.effects.insert(name.clone(), 0.0);
-            points.push(off);
+        if model.effects.len() == 1 {
+            points.push(fit.clone());
         }
         points.extend(model.points.iter().cloned());
         let numbers = model.effects.iter();
@@ -278,7 +272,7 @@ impl Fits<'_> {
         (points, most): (&mut Vec<Visited>, usize),
     ) -> Result<Option<Amplitude>, Error> {
         let probe = &self.plan.effects[effect];
-        let end = model.end.setting.amplitude(&probe.name);
+        let end = model.end.setting.effects[effect];
         let mut left = most;
         loop {
             let Some(curve) = self.curve(linear, model, effect, points)? else {
@@ -324,29 +318,18 @@ impl Fits<'_> {
     fn at_amplitude(&self, model: &Refitted, effect: usize, curve: &Curve, x: f64) -> Setting {
         let step = curve.retuned(&curve.mixed(&curve.weights(x)));
         let mut setting = model.end.setting.clone();
-        let declared = self.plan.declared.iter().map(|d| (&d.name, d.bounds));
-        let others = self
-            .others(model, effect)
-            .into_iter()
-            .map(|j| &self.plan.effects[j]);
-        let others = others.map(|e| (&e.name, e.range));
-        for (i, (name, bounds)) in declared.chain(others).enumerate() {
-            let values = if i < self.plan.declared.len() {
-                &mut setting.parameters
-            } else {
-                &mut setting.effects
-            };
-            if let Some(value) = values.get_mut(name) {
-                *value = (*value + step[i]).clamp(bounds[0], bounds[1]);
-            }
+        let (of_parameters, of_effects) = step.as_slice().split_at(self.plan.parameters.len());
+        let declared = setting.parameters.iter_mut().zip(&self.plan.parameters);
+        for ((value, d), step) in declared.zip(of_parameters) {
+            *value = (*value + step).clamp(d.limits[0], d.limits[1]);
         }
-        setting
-            .effects
-            .insert(self.plan.effects[effect].name.clone(), x);
-        setting
+        for (j, step) in self.others(model, effect).into_iter().zip(of_effects) {
+            let [low, high] = self.plan.effects[j].range;
+            setting.effects[j] = (setting.effects[j] + step).clamp(low, high);
+        }
+        setting.with_amplitude(effect, x)
     }
 
-    /// Numbers of the other effects of a model.
     fn others(&self, model: &Refitted, effect: usize) -> Vec<usize> {
         let effects = self.plan.effects.iter().enumerate();
         let others = effects.filter(|(j, e)| *j != effect && model.effects.contains(&e.name));
@@ -363,9 +346,9 @@ impl Fits<'_> {
     ) -> Result<Option<Curve>, Error> {
         let plan = self.plan;
         let others = self.others(model, effect);
-        let end = refit::values_at(plan, &others, &model.end.setting);
+        let end = refit::values_at(&others, &model.end.setting);
         let bounds = |e: usize| {
-            let declared = plan.declared.iter().map(move |d| d.bounds[e]);
+            let declared = plan.parameters.iter().map(move |d| d.limits[e]);
             declared.chain(others.iter().map(move |&j| plan.effects[j].range[e]))
         };
         let ways = [0, 1].map(|e| {
@@ -387,13 +370,13 @@ impl Fits<'_> {
                 n: model.end.means.n.clone(),
                 ..point.means.clone()
             };
-            let at = refit::values_at(plan, &others, &point.setting);
+            let at = refit::values_at(&others, &point.setting);
             let (matrix, target) =
                 refit::linear_problem(plan, &model.slopes, &others, (&at, &means))?;
             let moved =
                 DVector::from_iterator(end.len(), end.iter().zip(&at).map(|(to, from)| to - from));
             nodes.push(Node {
-                amplitude: point.setting.amplitude(&plan.effects[effect].name),
+                amplitude: point.setting.effects[effect],
                 residual: target - &matrix * moved,
                 block: point.block,
             });
@@ -410,14 +393,14 @@ impl Fits<'_> {
             direction: vec![0.0; nodes.len()],
             bend: 0.0,
             own_noise: linear.own_noise(effect),
-            of_runs: assemble::whitened_runs(plan, linear, &model.end.means, slopes.nrows())?,
+            of_runs: whitened_runs(plan, linear, &model.end.means, slopes.nrows())?,
             quantile: t_two_sided_quantile(0.05, dof).unwrap_or(f64::INFINITY),
             nodes,
             slopes,
             ways,
         };
-        let EffectProbe { name, range, .. } = &plan.effects[effect];
-        curve.direct(model.end.setting.amplitude(name));
+        let range = plan.effects[effect].range;
+        curve.direct(model.end.setting.effects[effect]);
         curve.bend(range[0].abs().max(range[1].abs()));
         Ok(Some(curve))
     }

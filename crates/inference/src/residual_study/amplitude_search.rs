@@ -1,11 +1,11 @@
 //! The amplitude of an effect that does not grow in proportion, by real runs.
 
-use super::fits::{Fits, Looks, Visited, failed_run};
+use super::fits::{Fits, Remeasured, Visited, failed_run};
 use super::linearisation::Linearisation;
 use super::runs::{self, At, Means, Setting};
-use super::{DeclaredParameter, ResidualPlan, assemble, refit};
-use crate::Error;
+use super::{ResidualPlan, assemble, refit};
 use crate::diagnosis::Diagnosis;
+use crate::{Error, Parameter};
 
 /// Blocks of seeds of the search, one a point: those that the best suspects leave are for the others.
 pub(crate) const BLOCKS_OF_SEARCH: [u64; 6] = [21, 22, 23, 24, 25, 26];
@@ -29,7 +29,6 @@ pub(super) const WORTH_A_SEARCH: f64 = 0.5;
 struct Stretch {
     /// The point that it is measured from.
     from: Visited,
-    /// Its slopes.
     linear: Linearisation,
     /// Least and largest amplitude.
     range: [f64; 2],
@@ -70,7 +69,7 @@ impl Fits<'_> {
         mut linear: Linearisation,
         fit: &Visited,
         suspects: &[(usize, Setting)],
-        known: &mut Looks,
+        known: &mut Remeasured,
     ) -> Result<Linearisation, Error> {
         let mut blocks = BLOCKS_OF_SEARCH.into_iter();
         let mut further = BLOCKS_OF_FURTHER_SEARCH.into_iter();
@@ -79,9 +78,9 @@ impl Fits<'_> {
             if linear.shares_noise(effect) {
                 continue;
             }
-            let looks = known.at.iter().filter(|look| look.0 == effect);
-            let looks: Vec<Visited> = looks.map(|look| look.1.clone()).collect();
-            let mut points = looks.clone();
+            let remeasured = known.at.iter().filter(|look| look.0 == effect);
+            let remeasured: Vec<Visited> = remeasured.map(|look| look.1.clone()).collect();
+            let mut points = remeasured.clone();
             let warnings = &mut known.warnings;
             let runs = (&mut blocks, &mut *warnings);
             let found = self.search(&linear, effect, fit, (&mut points, setting), runs)?;
@@ -96,9 +95,9 @@ impl Fits<'_> {
                 end = found.unwrap_or(end);
                 known.beside.insert(effect, beside);
             }
-            if looks.iter().all(|look| look.setting != end.setting) {
+            if remeasured.iter().all(|look| look.setting != end.setting) {
                 let from = (&fit.setting, &fit.means);
-                linear = linear.with_secant(self.plan, effect, from, (&end.setting, &end.means));
+                linear = linear.with_secant(effect, from, (&end.setting, &end.means));
                 known.at.push((effect, end));
                 known.searched.insert(effect);
             }
@@ -109,7 +108,7 @@ impl Fits<'_> {
     /// Whether runs at a point leave more than noise.
     fn leaves_structure(&self, linear: &Linearisation, at: &Visited) -> Result<bool, Error> {
         let misfit = assemble::misfit(self.plan, linear, &at.means)?;
-        let values = assemble::used_values(self.plan);
+        let values = self.plan.values_of_fit();
         Ok(misfit > assemble::likely_mean_square(values))
     }
 
@@ -119,33 +118,23 @@ impl Fits<'_> {
         linear: &Linearisation,
         at: &Visited,
     ) -> Result<Option<Linearisation>, Error> {
-        let step_of = |d: &DeclaredParameter| {
-            let end = at.setting.parameters[&d.name] + d.step;
-            if (d.bounds[0]..=d.bounds[1]).contains(&end) {
-                d.step
-            } else {
-                -d.step
-            }
-        };
-        let steps: Vec<f64> = self.plan.declared.iter().map(step_of).collect();
-        let moved = |(d, step): (&DeclaredParameter, &f64)| {
+        let moved = |(j, d): (usize, &Parameter)| {
             let mut setting = at.setting.clone();
-            let value = at.setting.parameters[&d.name] + step;
-            setting
-                .parameters
-                .insert(d.name.clone(), value.clamp(d.bounds[0], d.bounds[1]));
+            let value = setting.parameters[j] + d.step_from(setting.parameters[j]);
+            setting.parameters[j] = value.clamp(d.limits[0], d.limits[1]);
             (setting, at.block)
         };
-        let settings: Vec<_> = self.plan.declared.iter().zip(&steps).map(moved).collect();
+        let declared = self.plan.parameters.iter().enumerate();
+        let settings: Vec<_> = declared.map(moved).collect();
         let means = runs::means_of_each(self.worker, self.plan, &settings)?;
         let means: Option<Vec<Means>> = means.into_iter().map(Result::ok).collect();
         let Some(means) = means else {
             return Ok(None);
         };
-        let length = |(d, (setting, _)): (&DeclaredParameter, &(Setting, u64))| {
-            setting.parameters[&d.name] - at.setting.parameters[&d.name]
+        let length = |(j, (setting, _)): (usize, &(Setting, u64))| {
+            setting.parameters[j] - at.setting.parameters[j]
         };
-        let lengths = self.plan.declared.iter().zip(&settings).map(length);
+        let lengths = settings.iter().enumerate().map(length);
         let steps: Vec<(Means, f64)> = means.into_iter().zip(lengths).collect();
         Ok(Some(linear.clone().with_slopes_beside(&at.means, &steps)))
     }
@@ -186,7 +175,7 @@ impl Fits<'_> {
                     let name = &plan.effects[effect].name;
                     warnings.push(format!(
                         "the search for the amplitude of {name} ends at {:.3}, which could not be run: {reason}",
-                        setting.effects[name]
+                        setting.effects[effect]
                     ));
                     break;
                 }
@@ -232,20 +221,16 @@ impl Fits<'_> {
         fit: &Visited,
         points: &[Visited],
     ) -> Vec<Stretch> {
-        let plan = self.plan;
-        let name = &plan.effects[effect].name;
-        let [low, high] = plan.effects[effect].range;
-        let amplitude = |v: &Visited| v.setting.amplitude(name);
-        let mut off = fit.clone();
-        off.setting.effects.insert(name.clone(), 0.0);
-        let mut sorted: Vec<Visited> = points.iter().cloned().chain([off]).collect();
+        let [low, high] = self.plan.effects[effect].range;
+        let amplitude = |v: &Visited| v.setting.effects[effect];
+        let mut sorted: Vec<Visited> = points.iter().chain([fit]).cloned().collect();
         sorted.sort_by(|a, b| amplitude(a).total_cmp(&amplitude(b)));
         sorted.dedup_by(|a, b| amplitude(a) == amplitude(b));
         let between = |a: &Visited, b: &Visited, range: [f64; 2], is_beyond: bool| {
             let (from, to) = ((&a.setting, &a.means), (&b.setting, &b.means));
             Stretch {
                 from: a.clone(),
-                linear: linear.clone().with_secant(plan, effect, from, to),
+                linear: linear.clone().with_secant(effect, from, to),
                 range,
                 is_beyond,
             }
@@ -292,15 +277,13 @@ impl Fits<'_> {
         let about = (&from.setting, &from.means);
         let names = std::slice::from_ref(&name);
         let mut setting = refit::with_effects(&plan, linear, names, about)?;
-        let promised: Means = linear.means_at(&plan, effect, about, &setting);
+        let promised: Means = linear.means_at(effect, about, &setting);
         let cost = assemble::cost(&plan, noise, &setting, &promised)?;
         if *is_beyond {
             // What bends goes on bending: a point too far lies on the other side, one too near does not.
-            let end = from.setting.amplitude(&name);
-            let farther = end + FARTHER * (setting.amplitude(&name) - end);
-            setting
-                .effects
-                .insert(name, farther.clamp(range[0], range[1]));
+            let end = from.setting.effects[effect];
+            let farther = end + FARTHER * (setting.effects[effect] - end);
+            setting.effects[effect] = farther.clamp(range[0], range[1]);
         }
         Ok((cost, setting))
     }

@@ -63,7 +63,6 @@ fn plan_to_one(seed: u64) -> ResidualPlan {
 struct Count {
     /// Named alone.
     right: u32,
-    /// In a tie.
     tied: u32,
     /// Other effects alone are named.
     wrong: u32,
@@ -77,12 +76,10 @@ struct Count {
     outside: [u32; 2],
     /// Of those named alone: the error at the kept conditions is no more than noise.
     noise: u32,
-    /// Widths of their intervals.
     widths: Vec<f64>,
 }
 
 impl Count {
-    /// Adds one answer.
     fn add(&mut self, study: &ResidualStudy, amplitude: f64) {
         let d = &study.diagnosis;
         let holds = d.effects.iter().any(|name| name == "bend");
@@ -106,7 +103,6 @@ impl Count {
         }
     }
 
-    /// The counts in a line.
     fn line(&mut self) -> String {
         self.widths.sort_by(f64::total_cmp);
         let width = self
@@ -144,7 +140,6 @@ fn campaigns(response: Response, [low, high]: [f64; 2], seeds: std::ops::Range<u
 
 /// Truths at small, middle and large amplitudes, and at the end of the range.
 const TRUTHS: [[f64; 2]; 4] = [[0.15, 0.35], [0.4, 0.6], [0.75, 0.95], [1.0, 1.0]];
-/// All responses.
 const RESPONSES: [Response; 4] = [
     Response::Straight,
     Response::Saturating(0.5),

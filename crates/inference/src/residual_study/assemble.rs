@@ -1,13 +1,13 @@
 //! From runs to the residual problem, and to errors.
 
 use super::linearisation::Linearisation;
-use super::runs::{Means, Setting};
-use super::{DeclaredParameter, ErrorPair, RealErrors, ResidualPlan};
-use crate::Error;
+use super::runs::{At, Means, Setting};
+use super::whitened::{of_measured, residual, whitened};
+use super::{ErrorPair, RealErrors, ResidualPlan};
 use crate::diagnosis::{
     Condition, CovarianceInput, KeptCondition, Level, PriorPrecision, ProblemFile,
 };
-use nalgebra::{Cholesky, DMatrix, DVector};
+use crate::{Error, Parameter, Prior};
 use std::collections::BTreeMap;
 
 /// Beyond so many degrees of freedom a variance is as good as known.
@@ -21,7 +21,6 @@ pub(super) fn added(a: &[Vec<f64>], b: &[Vec<f64>], factor: f64) -> Vec<Vec<f64>
         .collect()
 }
 
-/// Covariance scaled.
 fn scaled(a: &[Vec<f64>], factor: f64) -> Vec<Vec<f64>> {
     a.iter()
         .map(|row| row.iter().map(|x| x * factor).collect())
@@ -61,10 +60,10 @@ pub(super) fn problem(
     let slope_errors = linear.declared_errors.iter();
     // An effect that moves nothing at a condition has the slope 0 there, without noise.
     let of_effect = |(j, variance): (usize, &f64)| {
-        of_run(*variance, &|c| linear.moves[plan.declared.len() + j][c])
+        of_run(*variance, &|c| linear.moves[plan.parameters.len() + j][c])
     };
     let name_of = |&effect: &usize| plan.effects[effect].name.clone();
-    let any_prior = plan.declared.iter().any(|d| d.prior.is_some());
+    let any_prior = plan.parameters.iter().any(|d| d.prior.is_some());
     ProblemFile {
         id: plan.id.clone(),
         conditions: used().map(|c| coordinates(plan, c)).collect(),
@@ -77,7 +76,7 @@ pub(super) fn problem(
         )),
         cov_simulator: Some(of_runs(plan, linear, &|c| 1.0 / at_fit.n[c] as f64)),
         covariance_dof: Some(covariance_dof(plan, linear, at_fit)),
-        declared: plan.declared.iter().map(|d| d.name.clone()).collect(),
+        declared: plan.parameters.iter().map(|d| d.symbol.clone()).collect(),
         sensitivities_declared: linear.declared.concat(),
         cov_sensitivities_declared: slope_errors
             .clone()
@@ -85,10 +84,10 @@ pub(super) fn problem(
             .collect(),
         cov_sensitivities_declared_along: slope_errors.map(|error| error.along.clone()).collect(),
         shift_limits: plan
-            .declared
+            .parameters
             .iter()
             .zip(fitted)
-            .map(|(d, at)| [0, 1].map(|end| Some(d.bounds[end] - at)))
+            .map(|(d, at)| [0, 1].map(|end| Some(d.limits[end] - at)))
             // A fit that ends on a bound may be beside it by rounding.
             .map(|[least, greatest]| [least.map(|x| x.min(0.0)), greatest.map(|x| x.max(0.0))])
             .collect(),
@@ -96,9 +95,9 @@ pub(super) fn problem(
         prior_precision: any_prior.then(|| {
             let precision = |sd: f64| 1.0 / (sd * sd);
             let each = plan
-                .declared
+                .parameters
                 .iter()
-                .map(|d| d.prior.map_or(0.0, |p| precision(p[1])));
+                .map(|d| d.prior.map_or(0.0, |p| precision(p.sd)));
             PriorPrecision::Diagonal(each.collect())
         }),
         prior_offset: if any_prior {
@@ -129,18 +128,11 @@ pub(super) fn problem(
     }
 }
 
-/// The coordinates of a condition.
 fn coordinates(plan: &ResidualPlan, condition: usize) -> Condition {
     let levels = plan.conditions[condition].condition.iter();
     levels
         .map(|(name, value)| (name.clone(), Level::Number(*value)))
         .collect()
-}
-
-/// Whether anything was measured at a condition kept from the fit.
-pub(super) fn any_kept(plan: &ResidualPlan) -> bool {
-    let mut all = plan.conditions.iter().enumerate();
-    all.any(|(c, condition)| !condition.used && !plan.measured(c).is_empty())
 }
 
 /// The conditions kept from the fit, by the runs without effects and by the means with an effect.
@@ -165,7 +157,7 @@ pub(super) fn kept(
         KeptCondition {
             condition: coordinates(plan, c),
             observables: plan.measured(c),
-            covariance: of_measured(plan, &total, c),
+            covariance: of_measured(plan, c, &total),
             without: left(&without.values[c]),
             with: left(&with[c]),
         }
@@ -175,27 +167,8 @@ pub(super) fn kept(
 
 /// Prior mean minus fitted value of each parameter; 0 where it is free.
 fn offsets(plan: &ResidualPlan, fitted: &[f64]) -> Vec<f64> {
-    let offset = |(d, x): (&DeclaredParameter, &f64)| d.prior.map_or(0.0, |p| p[0] - x);
-    plan.declared.iter().zip(fitted).map(offset).collect()
-}
-
-/// Root of the covariance of the measured observables of a condition and of so many times that of a run.
-pub(super) fn root(
-    plan: &ResidualPlan,
-    linear: &Linearisation,
-    runs: f64,
-    condition: usize,
-) -> Result<DMatrix<f64>, Error> {
-    let total = added(
-        &plan.conditions[condition].covariance,
-        &linear.run_covariance[condition],
-        runs,
-    );
-    let root = Cholesky::new(of_measured(plan, &total, condition)).ok_or(Error::Search {
-        what: "the root of the covariance",
-        reason: "it is not positive definite: are two observables the same?".into(),
-    })?;
-    Ok(root.l())
+    let offset = |(d, x): (&Parameter, &f64)| d.prior.map_or(0.0, |p| p.mean - x);
+    plan.parameters.iter().zip(fitted).map(offset).collect()
 }
 
 /// Degrees of freedom of the variance of a residual that is known worst: a measurement is known, and runs tell only the rest.
@@ -204,80 +177,12 @@ pub(super) fn root(
 ///
 /// Of a sum of a known variance a and an estimated one b with d degrees of freedom: `d ((a + b) / b)²` `[Satterthwaite1946]`.
 pub(super) fn covariance_dof(plan: &ResidualPlan, linear: &Linearisation, at_fit: &Means) -> f64 {
-    let used = (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used);
-    let each = used.flat_map(|c| {
-        let measured = plan.measured(c).into_iter();
-        measured.map(move |k| {
-            let known = plan.conditions[c].covariance[k][k];
-            let of_runs = linear.run_covariance[c][k][k] / at_fit.n[c] as f64;
-            linear.noise_dof[k] * ((known + of_runs) / of_runs).powi(2)
-        })
+    let each = plan.rows(At::Used).into_iter().map(|(c, k)| {
+        let known = plan.conditions[c].covariance[k][k];
+        let of_runs = linear.run_covariance[c][k][k] / at_fit.n[c] as f64;
+        linear.noise_dof[k] * ((known + of_runs) / of_runs).powi(2)
     });
     each.fold(MANY, f64::min)
-}
-
-/// Root of so many times the covariance of a run, over the observables that were measured at a condition; with that of
-/// the measurements where the runs are too few to tell it.
-pub(super) fn root_of_runs(
-    plan: &ResidualPlan,
-    linear: &Linearisation,
-    runs: f64,
-    condition: usize,
-) -> Result<DMatrix<f64>, Error> {
-    let covariance = scaled(&linear.run_covariance[condition], runs);
-    let known = linear.least_dof() >= (RUNS_TO_KNOW * plan.measured(condition).len()) as f64;
-    match Cholesky::new(of_measured(plan, &covariance, condition)).filter(|_| known) {
-        Some(of_runs) => Ok(of_runs.l()),
-        None => root(plan, linear, runs, condition),
-    }
-}
-
-/// Trace of the covariance of a run at a condition, whitened by [`root`] for so many times that of a run.
-pub(super) fn share_of_run(
-    plan: &ResidualPlan,
-    linear: &Linearisation,
-    runs: f64,
-    condition: usize,
-) -> Result<f64, Error> {
-    let root = root(plan, linear, runs, condition)?;
-    let of_run = of_measured(plan, &linear.run_covariance[condition], condition);
-    let half = root.solve_lower_triangular(&of_run);
-    let whole = half.and_then(|half| root.solve_lower_triangular(&half.transpose()));
-    Ok(whole.map_or(0.0, |whole| whole.trace()))
-}
-
-/// Covariance of the means of the runs at the used conditions, whitened by [`root`], in so many rows: 0 behind these.
-pub(super) fn whitened_runs(
-    plan: &ResidualPlan,
-    linear: &Linearisation,
-    means: &Means,
-    rows: usize,
-) -> Result<DMatrix<f64>, Error> {
-    let mut whole = DMatrix::zeros(rows, rows);
-    let mut first = 0;
-    for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used) {
-        let share = 1.0 / means.n[c] as f64;
-        let root = root(plan, linear, share, c)?;
-        let of_run = of_measured(plan, &linear.run_covariance[c], c) * share;
-        let half = root.solve_lower_triangular(&of_run);
-        let both = half.and_then(|half| root.solve_lower_triangular(&half.transpose()));
-        let n = of_run.nrows();
-        if let Some(both) = both {
-            whole.view_mut((first, first), (n, n)).copy_from(&both);
-        }
-        first += n;
-    }
-    Ok(whole)
-}
-
-/// Degrees of freedom for each observable from which on the scatter of the runs tells their covariance.
-const RUNS_TO_KNOW: usize = 3;
-
-/// The rows and columns of a covariance whose observables were measured at a condition.
-fn of_measured(plan: &ResidualPlan, covariance: &[Vec<f64>], condition: usize) -> DMatrix<f64> {
-    let measured = plan.measured(condition);
-    let n = measured.len();
-    DMatrix::from_fn(n, n, |a, b| covariance[measured[a]][measured[b]])
 }
 
 /// Whitened mean square of so many values that noise alone exceeds in 1 of 40 cases where they are many:
@@ -292,50 +197,8 @@ pub(super) fn misfit(
     linear: &Linearisation,
     simulated: &Means,
 ) -> Result<f64, Error> {
-    let used = part(plan, linear, simulated, true)?;
+    let used = part(plan, linear, simulated, At::Used)?;
     used.map(|e| e.whitened_mse).ok_or(NOTHING_USED)
-}
-
-/// Sum of squares of the difference of two means on the used conditions, in standard deviations of their noise.
-pub(super) fn change(
-    plan: &ResidualPlan,
-    linear: &Linearisation,
-    from: &Means,
-    to: &Means,
-) -> Result<f64, Error> {
-    let mut sum = 0.0;
-    for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used) {
-        let measured = plan.measured(c);
-        let moved = measured
-            .iter()
-            .map(|&k| to.values[c][k] - from.values[c][k]);
-        let moved = DVector::from_iterator(measured.len(), moved);
-        let runs = 1.0 / from.n[c] as f64 + 1.0 / to.n[c] as f64;
-        let white = root_of_runs(plan, linear, runs, c)?.solve_lower_triangular(&moved);
-        sum += white.map_or(0.0, |white| white.norm_squared());
-    }
-    Ok(sum)
-}
-
-/// Whitened residual of means on the used or on the kept conditions, by so many runs at each; and the sum of the variances that the
-/// runs have in it.
-pub(super) fn whitened(
-    plan: &ResidualPlan,
-    linear: &Linearisation,
-    runs: &[usize],
-    (simulated, used): (&[Vec<f64>], bool),
-) -> Result<(Vec<f64>, f64), Error> {
-    let (mut residual, mut noise) = (Vec::new(), 0.0);
-    for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used == used) {
-        let share = 1.0 / runs[c] as f64;
-        let off = |k: usize| plan.conditions[c].values[k].map(|y| y - simulated[c][k]);
-        let values: Vec<f64> = plan.measured(c).into_iter().filter_map(off).collect();
-        let values = DVector::from_vec(values);
-        let white = root(plan, linear, share, c)?.solve_lower_triangular(&values);
-        residual.extend(white.iter().flat_map(|white| white.iter().copied()));
-        noise += share * share_of_run(plan, linear, share, c)?;
-    }
-    Ok((residual, noise))
 }
 
 /// Distances of the parameters from their bench means, in standard errors.
@@ -343,16 +206,11 @@ pub(super) fn from_priors<'a>(
     plan: &'a ResidualPlan,
     setting: &'a Setting,
 ) -> impl Iterator<Item = f64> {
-    plan.declared.iter().filter_map(|d| {
-        let [mean, sd] = d.prior?;
-        Some((setting.parameters[&d.name] - mean) / sd)
+    let values = plan.parameters.iter().zip(&setting.parameters);
+    values.filter_map(|(d, x)| {
+        let Prior { mean, sd } = d.prior?;
+        Some((x - mean) / sd)
     })
-}
-
-/// Number of values at the used conditions.
-pub(super) fn used_values(plan: &ResidualPlan) -> usize {
-    let used = (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used);
-    used.map(|c| plan.measured(c).len()).sum()
 }
 
 /// What a fit makes small: sum of squares of the whitened residual on the used conditions, and of the distances of the
@@ -363,10 +221,10 @@ pub(super) fn cost(
     setting: &Setting,
     simulated: &Means,
 ) -> Result<f64, Error> {
-    let rows = used_values(plan);
     let priors = from_priors(plan, setting);
-    let misfit = misfit(plan, linear, simulated)?;
-    Ok(misfit * rows as f64 + priors.map(|z| z * z).sum::<f64>())
+    let (residual, _) = whitened(plan, linear, &simulated.n, (&simulated.values, At::Used))?;
+    let squares = residual.into_iter().chain(priors);
+    Ok(squares.map(|z| z * z).sum())
 }
 
 /// What a fit without a value is told.
@@ -382,10 +240,10 @@ pub(super) fn errors(
     linear: &Linearisation,
     simulated: &Means,
 ) -> Result<ErrorPair, Error> {
-    let of = |used: bool| part(plan, linear, simulated, used);
+    let of = |at| part(plan, linear, simulated, at);
     Ok(ErrorPair {
-        used: of(true)?.ok_or(NOTHING_USED)?,
-        kept: of(false)?,
+        used: of(At::Used)?.ok_or(NOTHING_USED)?,
+        kept: of(At::Kept)?,
     })
 }
 
@@ -394,35 +252,23 @@ fn part(
     plan: &ResidualPlan,
     linear: &Linearisation,
     simulated: &Means,
-    used: bool,
+    at: At,
 ) -> Result<Option<RealErrors>, Error> {
-    let residual =
-        |c: usize, k: usize| plan.conditions[c].values[k].map(|y| y - simulated.values[c][k]);
-    let conditions: Vec<usize> = (0..plan.conditions.len())
-        .filter(|&c| plan.conditions[c].used == used)
-        .collect();
+    let rows = plan.rows(at);
+    let (white, _) = whitened(plan, linear, &simulated.n, (&simulated.values, at))?;
+    let residual = residual(plan, at, &simulated.values);
     let mut rmse = BTreeMap::new();
     for (k, name) in plan.observables.iter().enumerate() {
-        let squares: Vec<f64> = conditions
-            .iter()
-            .filter_map(|&c| residual(c, k).map(|r| r * r))
-            .collect();
+        let own = rows.iter().zip(&residual).filter(|((_, o), _)| *o == k);
+        let squares: Vec<f64> = own.map(|(_, r)| r * r).collect();
         if !squares.is_empty() {
             let mean = squares.iter().sum::<f64>() / squares.len() as f64;
             rmse.insert(name.clone(), mean.sqrt());
         }
     }
-    let (mut whitened, mut rows) = (0.0, 0);
-    for &c in &conditions {
-        let values = (0..plan.observables.len()).filter_map(|k| residual(c, k));
-        let vector = DVector::from_iterator(plan.measured(c).len(), values);
-        let white =
-            root(plan, linear, 1.0 / simulated.n[c] as f64, c)?.solve_lower_triangular(&vector);
-        whitened += white.map_or(f64::NAN, |w| w.norm_squared());
-        rows += vector.len();
-    }
-    Ok((rows > 0).then(|| RealErrors {
+    let square: f64 = white.iter().map(|r| r * r).sum();
+    Ok((!rows.is_empty()).then(|| RealErrors {
         rmse,
-        whitened_mse: whitened / rows as f64,
+        whitened_mse: square / rows.len() as f64,
     }))
 }

@@ -1,46 +1,31 @@
 //! Which candidate tells tied effects apart, and the study with it.
 
-use super::tests::{MEASURED_SD, Toy, observed, plan_of_twins, studied, truth};
+use super::tests::{By, MEASURED_SD, observed, plan_of_twins, studied, toy, truth};
 use super::{CandidateMeasurement, ResidualPlan, ResidualStudy, StudyCondition, study_residual};
 use crate::diagnosis::{Purpose, Verdict};
 use campaign::run_store::Store;
-use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
+use campaign::{Campaign, RunOutcome, RunRequest, Silent, SimulatorError};
 use std::collections::BTreeMap;
-
 /// "bend" and "bow" do the same up to 30 rpm, and the opposite beyond; the second cannot be run at 25 rpm.
-struct Twins;
-
-impl Simulator for Twins {
-    fn version(&self) -> String {
-        "twins that part".into()
+fn twins(request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+    let (rpm, bow) = (request.condition("rpm")?, request.effect("bow"));
+    if rpm == 25.0 && bow != 0.0 {
+        let reason = "the bow breaks at 25 rpm".to_owned();
+        return Err(SimulatorError::Refused { reason });
     }
-
-    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
-        let (rpm, bow) = (request.condition("rpm")?, request.effect("bow"));
-        if rpm == 25.0 && bow != 0.0 {
-            let reason = "the bow breaks at 25 rpm".to_owned();
-            return Err(SimulatorError::Refused { reason });
-        }
-        let mut one = request.clone();
-        let sign = if rpm > 30.0 { -1.0 } else { 1.0 };
-        one.effects
-            .insert("bend".into(), request.effect("bend") + sign * bow);
-        Toy.run(&one)
-    }
+    let mut one = request.clone();
+    let sign = if rpm > 30.0 { -1.0 } else { 1.0 };
+    one.effects
+        .insert("bend".into(), request.effect("bend") + sign * bow);
+    toy(&one)
 }
 
-/// A candidate at a speed.
 fn candidate(rpm: f64, minutes: f64) -> CandidateMeasurement {
     CandidateMeasurement {
         name: format!("{rpm} rpm"),
         condition: StudyCondition {
-            model: None,
-            observables: None,
             condition: BTreeMap::from([("rpm".to_owned(), rpm), ("fill".to_owned(), 0.3)]),
-            parameters: None,
-            used: false,
-            values: Vec::new(),
-            covariance: Vec::new(),
+            ..StudyCondition::default()
         },
         standard_errors: ["angle", "shape"]
             .map(|name| (name.to_owned(), MEASURED_SD))
@@ -65,7 +50,7 @@ fn study(plan: &ResidualPlan) -> (ResidualStudy, usize) {
     let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
     let data = observed(plan, [2.0, 0.0], 1);
-    let study = study_residual(&campaign, &Twins, &data).unwrap();
+    let study = study_residual(&campaign, &By(twins), &data).unwrap();
     (study, store.keys().unwrap().len())
 }
 
@@ -110,7 +95,7 @@ fn the_first_candidate_resolves_the_tie() {
     let values = BTreeMap::from([("angle".to_owned(), angle), ("shape".to_owned(), shape)]);
     let plan = tied.with_measured(fast, &values);
     assert_eq!(plan.candidates.len(), 2);
-    let study = studied(&Twins, &plan);
+    let study = studied(&By(twins), &plan);
     assert_eq!(
         study.diagnosis.effects,
         ["bend"],

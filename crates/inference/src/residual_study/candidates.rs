@@ -49,8 +49,8 @@ impl ResidualPlan {
     /// As many runs at all candidates as there may be, for r replicates, K declared parameters and M effects r (1 + K + min(M, 3)) for
     /// each.
     pub(crate) fn requests_at_candidates(&self) -> Vec<RunRequest> {
-        let columns = self.declared.len() + MOST_IN_QUESTION.min(self.effects.len());
-        let start: Vec<f64> = self.declared.iter().map(|d| d.start).collect();
+        let columns = self.parameters.len() + MOST_IN_QUESTION.min(self.effects.len());
+        let start: Vec<f64> = self.parameters.iter().map(|d| d.start).collect();
         let each = self.candidates.iter().flat_map(|candidate| {
             let own = self.at_candidate(candidate);
             let at = Setting::declared(&own, &start);
@@ -92,17 +92,10 @@ fn steps(
     d: &Diagnosis,
 ) -> Vec<Step> {
     let mut steps = Vec::new();
-    for declared in &plan.declared {
-        let at = fit.parameters[&declared.name];
-        let inside = declared.bounds[0]..=declared.bounds[1];
-        let forward = inside.contains(&(at + declared.step));
-        let size = if forward {
-            declared.step
-        } else {
-            -declared.step
-        };
+    for (j, declared) in plan.parameters.iter().enumerate() {
         let mut setting = fit.clone();
-        setting.parameters.insert(declared.name.clone(), at + size);
+        let size = declared.step_from(setting.parameters[j]);
+        setting.parameters[j] += size;
         steps.push(Step {
             setting,
             size,
@@ -124,10 +117,8 @@ fn steps(
             let least = candidate.and_then(|c| c.smallest_detectable).unwrap_or(0.0);
             (amplitude.abs().max(least) * amplitude.signum()).clamp(low, high)
         };
-        let mut setting = fit.clone();
-        setting.effects.insert(name.clone(), size);
         steps.push(Step {
-            setting,
+            setting: fit.clone().with_amplitude(j, size),
             size,
             effect: Some(j),
         });
@@ -149,10 +140,7 @@ impl Fits<'_> {
         if asked.is_empty() || plan.candidates.is_empty() {
             return Ok((Vec::new(), Vec::new()));
         }
-        let base = Setting {
-            parameters: fit.setting.parameters.clone(),
-            effects: BTreeMap::new(),
-        };
+        let base = Setting::declared(plan, &fit.setting.parameters);
         let steps = steps(plan, &base, &asked, diagnosis);
         let points: Vec<&Setting> = std::iter::once(&base)
             .chain(steps.iter().map(|s| &s.setting))
@@ -183,7 +171,7 @@ impl Fits<'_> {
             offered.push(OfferedMeasurement {
                 name: candidate.name.clone(),
                 minutes: candidate.minutes,
-                runs: plan.replicates * (2 + plan.declared.len() + plan.effects.len()),
+                runs: plan.replicates * (2 + plan.parameters.len() + plan.effects.len()),
                 keys: (records.iter().flatten())
                     .map(|r| r.key().to_owned())
                     .collect(),

@@ -1,38 +1,29 @@
 //! Amplitudes and parameters of a model with an effect: their intervals hold the truth over many campaigns.
 
 use super::ResidualPlan;
-use super::fits::{Fits, Looks};
+use super::fits::{Fits, Remeasured};
 use super::linearisation::Linearisation;
-use super::tests::{measured, outcome, plan};
+use super::tests::{By, measured, outcome, plan};
 use super::worker::Worker;
 use campaign::run_store::Store;
-use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
+use campaign::{Campaign, RunOutcome, RunRequest, Silent, SimulatorError};
 use std::collections::BTreeMap;
 
 /// Of how much a drum is braked.
 const DRAG: f64 = 0.15;
 /// What a slip is told in: with it the noise of a run is 0.0042.
 const UNIT: f64 = 0.042;
-
-/// A drum whose wall slips the less, the rougher it is, and the more, the more a brake drags at it. Its angle tells of neither.
-struct Braked;
-
 /// Angle and slip at a speed, by the friction of the wall and the drag.
 fn braked(rpm: f64, friction: f64, drag: f64) -> [f64; 2] {
     let slip = 0.35 * (-3.0 * friction).exp() + 0.1 * drag * rpm / 30.0;
     [30.0 + 0.1 * rpm, slip / UNIT]
 }
 
-impl Simulator for Braked {
-    fn version(&self) -> String {
-        "braked".into()
-    }
-
-    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
-        let (rpm, friction) = (request.condition("rpm")?, request.parameter("a")?);
-        let values = braked(rpm, friction, request.effect("bend"));
-        Ok(outcome(request, values))
-    }
+/// A drum whose wall slips the less, the rougher it is, and the more, the more a brake drags at it. Its angle tells of neither.
+fn braked_run(request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+    let (rpm, friction) = (request.condition("rpm")?, request.parameter("a")?);
+    let values = braked(rpm, friction, request.effect("bend"));
+    Ok(outcome(request, values))
 }
 
 /// Two runs a mean at five speeds; the fit begins at a friction of 0.25.
@@ -47,9 +38,9 @@ fn braked_plan(seed: u64) -> ResidualPlan {
         condition.used = rpm != 40.0;
     }
     plan.replicates = 2;
-    plan.declared.truncate(1);
-    let friction = &mut plan.declared[0];
-    (friction.start, friction.step, friction.bounds) = (0.25, 0.15, [0.0, 1.0]);
+    plan.parameters.truncate(1);
+    let friction = &mut plan.parameters[0];
+    (friction.start, friction.range, friction.limits) = (0.25, [0.0, 0.5], [0.0, 1.0]);
     plan.effects.truncate(1);
     (plan.effects[0].probe, plan.effects[0].range) = (0.1, [0.0, 2.0]);
     plan
@@ -64,16 +55,16 @@ fn the_interval_of_an_amplitude_holds_the_truth_in_many_campaigns() {
         let plan = measured(&braked_plan(seed), seed, |rpm, _| braked(rpm, 0.35, DRAG));
         let store = Store::in_memory();
         let campaign = Campaign::new(&store, 1, &Silent);
-        let worker = Worker::new(&campaign, &Braked);
+        let worker = Worker::new(&campaign, &By(braked_run));
         let (linear, _) = Linearisation::run(&worker, &plan).unwrap();
         let fits = Fits {
             worker: &worker,
             plan: &plan,
         };
         let (fit, visited) = fits.declared(&linear).unwrap();
-        let linear = linear.with_points(&plan, &visited);
+        let linear = linear.with_points(&visited);
         let sets = [vec!["bend".into()]];
-        let models = fits.refitted(&linear, &sets, &fit, &mut Looks::default());
+        let models = fits.refitted(&linear, &sets, &fit, &mut Remeasured::default());
         let models = models.unwrap();
         let added = fits.completed(&linear, &fit, &[&models[0]], &mut Vec::new());
         let added = added.unwrap();

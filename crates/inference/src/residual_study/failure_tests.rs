@@ -1,5 +1,5 @@
 use super::runs::{At, Setting, means};
-use super::tests::{Toy, observed, plan, studied};
+use super::tests::{By, observed, plan, studied, toy};
 use super::worker::Worker;
 use super::{ResidualPlan, ResidualStudy, StudyCondition, study_residual};
 use crate::Error;
@@ -29,7 +29,7 @@ impl<F: Fn(&RunRequest) -> bool + Sync> Simulator for Diverging<F> {
             let reason = "body 3 has run away".to_owned();
             return Err(SimulatorError::Failed { reason });
         }
-        Toy.run(request)
+        toy(request)
     }
 }
 
@@ -56,7 +56,14 @@ fn a_run_that_fails_is_left_out_of_its_mean() {
     let mut plan = plan(1);
     plan.conditions.truncate(4);
     let setting = Setting::declared(&plan, &[0.5, 0.5]);
-    let whole = means(&Worker::new(&campaign, &Toy), &plan, &setting, 0, At::Used).unwrap();
+    let whole = means(
+        &Worker::new(&campaign, &By(toy)),
+        &plan,
+        &setting,
+        0,
+        At::Used,
+    )
+    .unwrap();
     assert_eq!(whole.n, [4; 4]);
     let second = plan.base.seed + 1;
     let simulator = Diverging {
@@ -73,8 +80,8 @@ fn a_run_that_fails_is_left_out_of_its_mean() {
         let three = [0, 2, 3].map(|k| {
             let mut request = plan.base.clone().with_seed(plan.base.seed + k);
             request.condition = plan.conditions[c].condition.clone();
-            request.parameters = setting.parameters.clone();
-            Toy.run(&request).unwrap().observables["angle"].mean
+            request.parameters = setting.by_name(&plan);
+            toy(&request).unwrap().observables["angle"].mean
         });
         let mean = three.iter().sum::<f64>() / 3.0;
         // The same sum in the same order.
@@ -129,22 +136,13 @@ fn an_effect_that_diverges_where_it_would_explain_the_data_is_marked() {
     let (whole, _) = study(&plan, |_| false);
     assert!(whole.unwrap().problem.not_run.is_empty());
 }
-
 /// The toy, of which runs with the effect "tilt", and some others, show no shape.
-struct Shapeless;
-
-impl Simulator for Shapeless {
-    fn version(&self) -> String {
-        "shapeless".into()
+fn shapeless(request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+    let mut outcome = toy(request)?;
+    if request.effect("tilt") != 0.0 || request.seed.is_multiple_of(11) {
+        outcome.observables.remove("shape");
     }
-
-    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
-        let mut outcome = Toy.run(request)?;
-        if request.effect("tilt") != 0.0 || request.seed.is_multiple_of(11) {
-            outcome.observables.remove("shape");
-        }
-        Ok(outcome)
-    }
+    Ok(outcome)
 }
 
 /// A run that lacks an observable counts as failed: it leaves its mean, an effect whose runs all lack it is left out with the
@@ -153,7 +151,7 @@ impl Simulator for Shapeless {
 fn a_run_without_an_observable_costs_itself() {
     let plan = plan(1);
     let data = observed(&plan, [2.0, 0.0], 1);
-    let study = studied(&Shapeless, &data);
+    let study = studied(&By(shapeless), &data);
     assert_eq!(study.diagnosis.effects, ["bend"]);
     assert!(
         study.left_out["tilt"].contains("'shape'"),
@@ -260,31 +258,19 @@ fn a_condition_that_always_fails_takes_its_own_observable_with_it() {
 /// the planted effect is found.
 #[test]
 fn a_bench_test_that_repeats_itself_limits_no_test() {
-    struct Rounding;
-    impl Simulator for Rounding {
-        fn version(&self) -> String {
-            "rounding".into()
+    fn rounding(request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        if request.model != "bench" {
+            return toy(request);
         }
-
-        fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
-            if request.model != "bench" {
-                return Toy.run(request);
-            }
-            let angle = Observation {
-                mean: 1.0 + f64::EPSILON * (request.seed % 2) as f64,
-                sd: None,
-                n: 1,
-                unit: "1".into(),
-            };
-            Ok(RunOutcome::default().with_observable("angle", angle))
-        }
+        let angle = Observation::of_one(1.0 + f64::EPSILON * (request.seed % 2) as f64, "1");
+        Ok(RunOutcome::default().with_observable("angle", angle))
     }
     let mut plan = with_bench();
     plan.replicates = 2;
     for effect in &mut plan.effects {
         effect.absent.insert("bench".into(), "it has none".into());
     }
-    let study = studied(&Rounding, &plan);
+    let study = studied(&By(rounding), &plan);
     let told = study.diagnosis.summary();
     assert_eq!(study.diagnosis.verdict, Verdict::Named, "{told}");
     assert_eq!(study.diagnosis.effects, ["bend"]);

@@ -2,6 +2,7 @@
 
 use super::linearisation::Linearisation;
 use super::runs::{self, At, Means, Setting};
+use super::whitened::difference;
 use super::worker::Worker;
 use super::{AddedEffect, EffectProbe, ResidualPlan, assemble, refit};
 use crate::Error;
@@ -25,7 +26,6 @@ pub(crate) const BLOCKS_OF_ENDS: [u64; 2] = [33, 34];
 /// An amplitude is run at twice its end for its estimate; at least so much farther, over it, or else short of it by as much.
 const ROOM: f64 = 0.5;
 
-/// Why a run failed, where that is the error.
 pub(super) fn failed_run(error: &Error) -> Option<String> {
     match error {
         Error::Campaign(
@@ -62,7 +62,7 @@ pub(super) struct Fits<'a> {
 
 /// Effects that were looked at anew.
 #[derive(Debug, Default)]
-pub(super) struct Looks {
+pub(super) struct Remeasured {
     /// Number of each effect and where it was run, the last look behind the others.
     pub(super) at: Vec<(usize, Visited)>,
     /// Those whose amplitude was searched: the last look is where that ended.
@@ -80,7 +80,6 @@ pub(super) struct Visited {
     pub(super) setting: Setting,
     /// What came out: at the used conditions, and at the kept ones where they were run.
     pub(super) means: Means,
-    /// Block of seeds.
     pub(super) block: u64,
 }
 
@@ -96,9 +95,7 @@ struct Asked {
 /// A model with effects, fitted again by real runs at the conditions of the fit.
 #[derive(Debug, Clone)]
 pub(super) struct Refitted {
-    /// Its effects.
     pub(super) effects: Vec<String>,
-    /// Where the fit has ended.
     pub(super) end: Visited,
     /// What the data ask for about it.
     asked: Asked,
@@ -115,7 +112,7 @@ impl Fits<'_> {
         &self,
         linear: &Linearisation,
     ) -> Result<(Visited, Vec<Visited>), Error> {
-        let start: Vec<f64> = self.plan.declared.iter().map(|d| d.start).collect();
+        let start: Vec<f64> = self.plan.parameters.iter().map(|d| d.start).collect();
         let setting = Setting::declared(self.plan, &start);
         let start = Visited {
             setting: setting.clone(),
@@ -152,21 +149,19 @@ impl Fits<'_> {
         suspects.truncate(MOST_SUSPECTS);
         let setting = |(candidate, j, amplitude): (&CandidateResult, usize, f64)| {
             let EffectProbe { name, range, .. } = &plan.effects[j];
-            let mut setting = fit.setting.clone();
-            setting.effects.insert(name.clone(), 0.0);
+            let mut setting = fit.setting.clone().with_amplitude(j, 0.0);
             let mut amplitude = amplitude;
             if !linear.shares_noise(j) {
                 let about = (&setting, &fit.means);
                 setting = refit::with_effects(plan, linear, std::slice::from_ref(name), about)?;
-                if setting.effects[name] != 0.0 {
-                    amplitude = setting.effects[name];
+                if setting.effects[j] != 0.0 {
+                    amplitude = setting.effects[j];
                 }
             }
             let least = candidate.smallest_detectable.unwrap_or(0.0);
             let size = amplitude.abs().max(least);
             let amplitude = (size * amplitude.signum()).clamp(range[0], range[1]);
-            setting.effects.insert(name.clone(), amplitude);
-            Ok((j, setting))
+            Ok((j, setting.with_amplitude(j, amplitude)))
         };
         suspects.into_iter().map(setting).collect()
     }
@@ -182,11 +177,7 @@ impl Fits<'_> {
         });
         let at_ends = |(j, e): (usize, &EffectProbe)| {
             let ends = e.range.iter().filter(|end| **end != 0.0);
-            let setting = |end: &f64| {
-                let mut setting = fit.setting.clone();
-                setting.effects.insert(e.name.clone(), *end);
-                setting
-            };
+            let setting = |end: &f64| fit.setting.clone().with_amplitude(j, *end);
             (j, ends.map(setting).collect())
         };
         noise.map(at_ends).take(MOST_NOISY).collect()
@@ -203,7 +194,7 @@ impl Fits<'_> {
         mut linear: Linearisation,
         fit: &Visited,
         suspects: impl Iterator<Item = ((usize, Vec<Setting>), u64)>,
-        known: &mut Looks,
+        known: &mut Remeasured,
     ) -> Result<Linearisation, Error> {
         let plan = self.plan;
         let (mut effects, mut settings) = (Vec::new(), Vec::new());
@@ -217,34 +208,34 @@ impl Fits<'_> {
             settings.extend(of_effect.into_iter().map(|setting| (setting, block)));
         }
         let means = runs::means_of_each(self.worker, plan, &settings)?;
-        let mut looks: Vec<(usize, f64, Visited)> = Vec::new();
+        let mut remeasured: Vec<(usize, f64, Visited)> = Vec::new();
         for ((effect, (setting, block)), means) in effects.into_iter().zip(settings).zip(means) {
             let name = &plan.effects[effect].name;
             match means {
                 Ok(means) => {
-                    let change = assemble::change(plan, &linear, &fit.means, &means)?;
+                    let change = self.change(&linear, &fit.means, &means)?;
                     let look = Visited {
                         setting,
                         means,
                         block,
                     };
-                    looks.push((effect, change, look));
+                    remeasured.push((effect, change, look));
                 }
                 Err(reason) => {
                     linear.not_run.insert(effect);
                     known.warnings.push(format!(
                         "{name} could not be run at the amplitude {:.3}, so that it is judged by its sensitivity \
                          elsewhere: {reason}",
-                        setting.effects[name]
+                        setting.effects[effect]
                     ));
                 }
             }
         }
         // The last look at an effect is the one that counts.
-        looks.sort_by(|a, b| a.1.total_cmp(&b.1));
-        for (effect, _, look) in looks {
+        remeasured.sort_by(|a, b| a.1.total_cmp(&b.1));
+        for (effect, _, look) in remeasured {
             let (from, to) = ((&fit.setting, &fit.means), (&look.setting, &look.means));
-            linear = linear.with_secant(plan, effect, from, to);
+            linear = linear.with_secant(effect, from, to);
             known.at.push((effect, look));
         }
         Ok(linear)
@@ -256,12 +247,12 @@ impl Fits<'_> {
         linear: &Linearisation,
         sets: &[Vec<String>],
         fit: &Visited,
-        looks: &mut Looks,
+        remeasured: &mut Remeasured,
     ) -> Result<Vec<Refitted>, Error> {
         let mut models = Vec::new();
         for set in sets {
-            let model = self.refit(linear, set, fit, looks);
-            models.extend(run_or_told(model, set, &mut looks.warnings)?);
+            let model = self.refit(linear, set, fit, remeasured);
+            models.extend(run_or_told(model, set, &mut remeasured.warnings)?);
         }
         Ok(models)
     }
@@ -274,26 +265,24 @@ impl Fits<'_> {
         linear: &Linearisation,
         effects: &[String],
         fit: &Visited,
-        looks: &Looks,
+        remeasured: &Remeasured,
     ) -> Result<Refitted, Error> {
         let alone = |look: &&(usize, Visited)| {
             effects == std::slice::from_ref(&self.plan.effects[look.0].name)
         };
-        let found = looks.at.iter().rev().find(alone);
-        let end = if let Some((_, end)) = found.filter(|look| looks.searched.contains(&look.0)) {
+        let found = remeasured.at.iter().rev().find(alone);
+        let end = if let Some((_, end)) = found.filter(|look| remeasured.searched.contains(&look.0))
+        {
             end.clone()
         } else {
             let look = found.map(|look| &look.1);
-            let mut start = look.map_or(&fit.setting, |look| &look.setting).clone();
-            for name in effects {
-                start.effects.entry(name.clone()).or_insert(0.0);
-            }
-            let about = (&start, &look.unwrap_or(fit).means);
+            let start = look.unwrap_or(fit);
+            let about = (&start.setting, &start.means);
             let best = look.cloned();
             let (end, _) = self.descend(linear, effects, about, best, BLOCKS_WITH_EFFECTS)?;
             end
         };
-        let beside = found.and_then(|look| looks.beside.get(&look.0));
+        let beside = found.and_then(|look| remeasured.beside.get(&look.0));
         let about = beside.unwrap_or(linear);
         let (asked, beyond, slopes) = self.asked(about, effects, &end)?;
         let number = |name: &String| self.plan.effects.iter().position(|e| e.name == *name);
@@ -311,7 +300,7 @@ impl Fits<'_> {
             });
         };
         // Whoever is compared has ended where another run would gain nothing, and not where what is left may be noise.
-        let of_effect = looks.at.iter().filter(|look| look.0 == effect);
+        let of_effect = remeasured.at.iter().filter(|look| look.0 == effect);
         let known = of_effect.map(|look| look.1.clone());
         let mut points: Vec<Visited> = known.chain([end.clone()]).chain(beyond).collect();
         let runs = (&mut BLOCKS_OF_ENDS.into_iter(), &mut Vec::new());
@@ -352,8 +341,8 @@ impl Fits<'_> {
             added.push(AddedEffect {
                 estimates: self.amplitudes(linear, fit, model)?,
                 errors: assemble::errors(self.plan, linear, &means)?,
-                effects: model.end.setting.effects.clone(),
-                fitted: model.end.setting.parameters.clone(),
+                effects: self.amplitudes_at(&model.effects, &model.end.setting),
+                fitted: model.end.setting.by_name(self.plan),
                 fitted_se: model.asked.fitted_se.clone(),
                 runs: means.n.clone(),
                 simulated: means.values,
@@ -378,18 +367,16 @@ impl Fits<'_> {
         let plan = self.plan;
         let number = |name: &String| plan.effects.iter().position(|e| e.name == *name);
         let beyond = |j: usize| {
-            let EffectProbe { name, probe, .. } = &plan.effects[j];
-            let [low, high] = plan.effects[j].range;
-            let amplitude = end.setting.amplitude(name);
+            let EffectProbe { probe, range, .. } = &plan.effects[j];
+            let [low, high] = *range;
+            let amplitude = end.setting.effects[j];
             let away = if amplitude == 0.0 { *probe } else { amplitude };
             let step = amplitude.abs().max(probe.abs()).copysign(away);
             let far = (amplitude + step).clamp(low, high);
             let is_room = (far - amplitude).abs() >= ROOM * step.abs();
-            let mut setting = end.setting.clone();
             let near = (amplitude - ROOM * step).clamp(low, high);
             let there = if is_room { far } else { near };
-            setting.effects.insert(name.clone(), there);
-            (j, setting)
+            (j, end.setting.clone().with_amplitude(j, there))
         };
         let beyond: Vec<_> = effects.iter().filter_map(number).map(beyond).collect();
         let settings: Vec<_> = beyond.iter().map(|(_, s)| (s.clone(), end.block)).collect();
@@ -399,7 +386,7 @@ impl Fits<'_> {
         for ((j, setting), means) in beyond.into_iter().zip(means) {
             if let Ok(means) = means {
                 let from = (&end.setting, &end.means);
-                local = local.with_secant(plan, j, from, (&setting, &means));
+                local = local.with_secant(j, from, (&setting, &means));
                 visited.push(Visited {
                     setting,
                     means,
@@ -410,8 +397,8 @@ impl Fits<'_> {
         let at = (&end.setting, &end.means);
         let errors = refit::standard_errors(plan, &local, effects, at)?;
         let setting = refit::with_effects(plan, &local, effects, at)?;
-        let parameters = plan.declared.iter().zip(&errors);
-        let fitted_se = parameters.filter_map(|(d, error)| Some((d.name.clone(), (*error)?)));
+        let parameters = plan.parameters.iter().zip(&errors);
+        let fitted_se = parameters.filter_map(|(d, error)| Some((d.symbol.clone(), (*error)?)));
         let asked = Asked {
             fitted_se: fitted_se.collect(),
             setting,
@@ -468,7 +455,7 @@ impl Fits<'_> {
         for block in blocks {
             if let (Some(best), true) = (&best, at_end) {
                 let misfit = assemble::misfit(plan, noise, &best.means)?;
-                if misfit <= assemble::likely_mean_square(assemble::used_values(plan)) {
+                if misfit <= assemble::likely_mean_square(plan.values_of_fit()) {
                     break;
                 }
             }
@@ -498,7 +485,7 @@ impl Fits<'_> {
                 break;
             }
             linear = if effects.is_empty() {
-                noise.clone().with_points(plan, &all)
+                noise.clone().with_points(&all)
             } else {
                 corrected.unwrap_or(linear)
             };
@@ -510,7 +497,19 @@ impl Fits<'_> {
         Ok((best, all))
     }
 
-    /// Means at a setting with the seeds of a block.
+    /// Sum of squares of the difference of two means, in standard deviations of their noise.
+    fn change(&self, linear: &Linearisation, from: &Means, to: &Means) -> Result<f64, Error> {
+        let runs = |c: usize| 1.0 / from.n[c] as f64 + 1.0 / to.n[c] as f64;
+        let moved = |c: usize, k: usize| to.values[c][k] - from.values[c][k];
+        Ok(difference(self.plan, linear, runs, moved)?.norm_squared())
+    }
+
+    fn amplitudes_at(&self, effects: &[String], point: &Setting) -> BTreeMap<String, f64> {
+        let all = self.plan.effects.iter().zip(&point.effects);
+        let own = all.filter(|(e, _)| effects.contains(&e.name));
+        own.map(|(e, x)| (e.name.clone(), *x)).collect()
+    }
+
     pub(super) fn run(&self, setting: &Setting, block: u64, at: At) -> Result<Means, Error> {
         runs::means(self.worker, self.plan, setting, block, at)
     }

@@ -4,13 +4,13 @@ use super::fits::Visited;
 use super::runs::{At, Means, Row, Setting, differ, numbers, readable, requests, rows_of};
 use super::scatter::Scatter;
 use super::slopes::{ConditionSlopes, Points, SlopeError, Slopes};
+use super::whitened::difference;
 use super::worker::Worker;
-use super::{DeclaredParameter, ResidualPlan, StudyCondition, assemble};
+use super::{ResidualPlan, StudyCondition, assemble};
 use crate::Error;
 use crate::diagnosis::CovarianceMatrix;
 use campaign::RunRequest;
 use campaign::run_store::Record;
-use nalgebra::DVector;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The simulator near the starting point.
@@ -73,7 +73,7 @@ impl Linearisation {
         for (i, list) in lists.iter().enumerate() {
             let (own, others) = left.split_at(list.len());
             left = others;
-            let effect = i.checked_sub(1 + plan.declared.len());
+            let effect = i.checked_sub(1 + plan.parameters.len());
             let records = match (worker.borne(list, own, plan.replicates), effect) {
                 (Ok(records), _) => records,
                 (Err(short), None) => return Err(short.error(plan, &numbers(plan, At::Used))),
@@ -99,7 +99,7 @@ impl Linearisation {
         let first = probes.next().map(|(means, _)| means);
         let nominal = first.unwrap_or_else(|| Means::of(&[], plan.replicates));
         let probes: Vec<(Means, f64)> = probes.collect();
-        let (declared, library) = probes.split_at(plan.declared.len().min(probes.len()));
+        let (declared, library) = probes.split_at(plan.parameters.len().min(probes.len()));
         let mut scatter = nominal.scatter.clone();
         let own = library
             .iter()
@@ -142,9 +142,9 @@ impl Linearisation {
     }
 
     /// The same with the runs at further points, at which no effect is on, in the slopes and in the scatter.
-    pub(super) fn with_points(mut self, plan: &ResidualPlan, visited: &[Visited]) -> Self {
+    pub(super) fn with_points(mut self, visited: &[Visited]) -> Self {
         for point in visited {
-            self.points.visit(plan, &point.setting, &point.means);
+            self.points.visit(&point.setting, &point.means);
             self.scatter.add(&point.means.scatter);
         }
         let Slopes { values, errors } = self.points.slopes();
@@ -179,21 +179,18 @@ impl Linearisation {
     /// `(f(on) - f(fit) - S (theta_on - theta_fit)) / (a_on - a_fit)`: the linear model then goes through both points.
     pub(super) fn with_secant(
         mut self,
-        plan: &ResidualPlan,
         effect: usize,
         (fit, at_fit): (&Setting, &Means),
         (setting, on): (&Setting, &Means),
     ) -> Self {
-        let name = &plan.effects[effect].name;
-        let amplitude = setting.amplitude(name) - fit.amplitude(name);
+        let amplitude = setting.effects[effect] - fit.effects[effect];
         if amplitude == 0.0 {
             return self;
         }
         self.not_run.remove(&effect);
-        let moved = |d: &DeclaredParameter| setting.parameters[&d.name] - fit.parameters[&d.name];
-        let moved: Vec<f64> = plan.declared.iter().map(moved).collect();
+        let moved = displacement(fit, setting);
         let rows = on.values.iter().zip(&at_fit.values);
-        let moves = &self.moves[plan.declared.len() + effect];
+        let moves = &self.moves[moved.len() + effect];
         let tables = self.library.iter_mut().zip(&self.declared);
         for (((columns, declared), (on, off)), _) in
             tables.zip(rows).zip(moves).filter(|(_, moves)| **moves)
@@ -232,15 +229,12 @@ impl Linearisation {
     /// The means that the slopes promise at a setting, from those of a point.
     pub(super) fn means_at(
         &self,
-        plan: &ResidualPlan,
         effect: usize,
         (point, means): (&Setting, &Means),
         setting: &Setting,
     ) -> Means {
-        let name = &plan.effects[effect].name;
-        let further = setting.amplitude(name) - point.amplitude(name);
-        let moved = |d: &DeclaredParameter| setting.parameters[&d.name] - point.parameters[&d.name];
-        let moved: Vec<f64> = plan.declared.iter().map(moved).collect();
+        let further = setting.effects[effect] - point.effects[effect];
+        let moved = displacement(point, setting);
         let mut promised = means.clone();
         let tables = self.declared.iter().zip(&self.library);
         for (row, (declared, library)) in promised.values.iter_mut().zip(tables) {
@@ -268,53 +262,49 @@ impl Linearisation {
         (from, at_from): (&Setting, &Means),
         (to, at_to): (&Setting, &Means),
     ) -> Result<Option<Self>, Error> {
-        let step = |before: f64, after: f64, unit: f64| (after - before) / unit;
-        let declared: Vec<f64> = plan
-            .declared
-            .iter()
-            .map(|d| step(from.parameters[&d.name], to.parameters[&d.name], d.step))
-            .collect();
+        let declared = displacement(from, to).into_iter().zip(&plan.parameters);
+        let declared: Vec<f64> = declared.map(|(way, d)| way / d.step()).collect();
         let taken = plan.effects.iter().enumerate();
+        let way = |j: usize| to.effects[j] - from.effects[j];
         let taken: Vec<(usize, f64)> = taken
             .filter(|(_, e)| effects.contains(&e.name))
-            .map(|(j, e)| (j, step(from.effects[&e.name], to.effects[&e.name], e.probe)))
+            .map(|(j, e)| (j, way(j) / e.probe))
             .collect();
         let steps = declared.iter().chain(taken.iter().map(|(_, d)| d));
         let size: f64 = steps.map(|d| d * d).sum();
         if size == 0.0 {
             return Ok(None);
         }
-        let mut corrected = self.clone();
-        let (mut contradiction, mut rows) = (0.0, 0);
-        for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used) {
-            let off = |k: usize| {
-                let slopes = self.declared[c][k].iter().zip(&declared);
-                let by_parameters = slopes.zip(&plan.declared).map(|((s, d), p)| s * d * p.step);
-                let slopes = &self.library[c][k];
-                let effect = |&(j, d): &(usize, f64)| slopes[j] * d * plan.effects[j].probe;
-                let linear = by_parameters.sum::<f64>() + taken.iter().map(effect).sum::<f64>();
-                at_to.values[c][k] - at_from.values[c][k] - linear
-            };
-            let measured = plan.measured(c);
-            let values = DVector::from_iterator(measured.len(), measured.iter().map(|&k| off(k)));
+        let off = |c: usize, k: usize| {
+            let slopes = self.declared[c][k].iter().zip(&declared);
+            let by_parameters = slopes
+                .zip(&plan.parameters)
+                .map(|((s, d), p)| s * d * p.step());
+            let slopes = &self.library[c][k];
+            let effect = |&(j, d): &(usize, f64)| slopes[j] * d * plan.effects[j].probe;
+            let linear = by_parameters.sum::<f64>() + taken.iter().map(effect).sum::<f64>();
+            at_to.values[c][k] - at_from.values[c][k] - linear
+        };
+        let runs = |c: usize| {
             let of_means = 1.0 / at_from.n[c] as f64 + 1.0 / at_to.n[c] as f64;
-            let runs = of_means + size * 2.0 / self.nominal.n[c] as f64;
-            let root = assemble::root_of_runs(plan, self, runs, c)?;
-            let white = root.solve_lower_triangular(&values);
-            contradiction += white.map_or(0.0, |white| white.norm_squared());
-            rows += measured.len();
-            for &k in &measured {
-                let slopes = corrected.declared[c][k].iter_mut().zip(&declared);
-                for ((slope, d), p) in slopes.zip(&plan.declared) {
-                    *slope += off(k) * d / size / p.step;
-                }
-                for &(j, d) in &taken {
-                    corrected.library[c][k][j] += off(k) * d / size / plan.effects[j].probe;
-                }
+            of_means + size * 2.0 / self.nominal.n[c] as f64
+        };
+        let contradiction = difference(plan, self, runs, off)?;
+        let rows = contradiction.len();
+        if contradiction.norm_squared() <= assemble::likely_mean_square(rows) * rows as f64 {
+            return Ok(None);
+        }
+        let mut corrected = self.clone();
+        for (c, k) in plan.rows(At::Used) {
+            let slopes = corrected.declared[c][k].iter_mut().zip(&declared);
+            for ((slope, d), p) in slopes.zip(&plan.parameters) {
+                *slope += off(c, k) * d / size / p.step();
+            }
+            for &(j, d) in &taken {
+                corrected.library[c][k][j] += off(c, k) * d / size / plan.effects[j].probe;
             }
         }
-        let likely = assemble::likely_mean_square(rows) * rows as f64;
-        Ok((contradiction > likely).then_some(corrected))
+        Ok(Some(corrected))
     }
 
     /// The fewest degrees of freedom of an observable; 0 where no runs tell of any scatter.
@@ -332,21 +322,24 @@ impl Linearisation {
     }
 }
 
+/// How far each parameter goes from one point to another.
+fn displacement(from: &Setting, to: &Setting) -> Vec<f64> {
+    let pairs = from.parameters.iter().zip(&to.parameters);
+    pairs.map(|(from, to)| to - from).collect()
+}
+
 /// The start, a step in each declared parameter, and each effect at its probe; with the size of the step.
 pub(super) fn start_and_steps(plan: &ResidualPlan) -> Vec<(Setting, f64)> {
-    let start: Vec<f64> = plan.declared.iter().map(|d| d.start).collect();
+    let start: Vec<f64> = plan.parameters.iter().map(|d| d.start).collect();
     let at_start = Setting::declared(plan, &start);
     let mut settings = vec![(at_start.clone(), 1.0)];
-    for declared in &plan.declared {
+    for (j, declared) in plan.parameters.iter().enumerate() {
         let mut moved = at_start.clone();
-        moved
-            .parameters
-            .insert(declared.name.clone(), declared.start + declared.step);
-        settings.push((moved, declared.step));
+        moved.parameters[j] += declared.step();
+        settings.push((moved, declared.step()));
     }
-    for effect in &plan.effects {
-        let mut on = at_start.clone();
-        on.effects.insert(effect.name.clone(), effect.probe);
+    for (j, effect) in plan.effects.iter().enumerate() {
+        let on = at_start.clone().with_amplitude(j, effect.probe);
         settings.push((on, effect.probe));
     }
     settings
@@ -355,7 +348,6 @@ pub(super) fn start_and_steps(plan: &ResidualPlan) -> Vec<(Setting, f64)> {
 /// The runs at the start and beside it.
 #[derive(Debug, Default)]
 struct Beside<'a> {
-    /// Those at the start.
     start: Option<Runs<'a>>,
     /// Means at the start and at each step that could be run, with the size of the step.
     probes: Vec<(Means, f64)>,
@@ -441,9 +433,7 @@ fn same_motion(off: &[Option<&Record>], on: &[Option<&Record>], r: usize) -> boo
 /// Runs with their observables in the order of the plan; none where a run is left out.
 #[derive(Debug, Clone)]
 struct Runs<'a> {
-    /// The runs.
     records: Vec<Option<&'a Record>>,
-    /// Their observables.
     rows: Vec<Row>,
 }
 

@@ -2,29 +2,23 @@
 
 use super::linearisation::Linearisation;
 use super::runs::{At, Setting, means};
-use super::tests::{Toy, measured, observed, outcome, plan, studied, truth};
+use super::tests::{By, measured, observed, outcome, plan, studied, toy, truth};
 use super::worker::Worker;
+use crate::Prior;
 use crate::diagnosis::Verdict;
 use campaign::run_store::Store;
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
 
-/// A simulator by a formula of speed, fill, both parameters and both effects.
-struct Formula {
-    name: &'static str,
-    values: fn(f64, f64, f64, f64, [f64; 2]) -> [f64; 2],
-}
+/// A formula of speed, fill, both parameters and both effects.
+type Formula = fn(f64, f64, f64, f64, [f64; 2]) -> [f64; 2];
 
-impl Simulator for Formula {
-    fn version(&self) -> String {
-        self.name.into()
-    }
-
-    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+fn by(values: Formula) -> impl Simulator {
+    By(move |request: &RunRequest| {
         let (rpm, fill) = (request.condition("rpm")?, request.condition("fill")?);
         let (a, b) = (request.parameter("a")?, request.parameter("b")?);
         let effects = [request.effect("bend"), request.effect("tilt")];
-        Ok(outcome(request, (self.values)(rpm, fill, a, b, effects)))
-    }
+        Ok(outcome(request, values(rpm, fill, a, b, effects)))
+    })
 }
 
 /// A simulator in which the angle grows with the amplitude of "bend", but the shape hardly any more beyond 0.5: its
@@ -39,11 +33,6 @@ fn saturating(rpm: f64, fill: f64, a: f64, b: f64, effects: [f64; 2]) -> [f64; 2
     ]
 }
 
-const SATURATING: Formula = Formula {
-    name: "saturating",
-    values: saturating,
-};
-
 /// "bend" at its own amplitude is all that is missing. By its slope at the probe more than noise remains, and all three
 /// answers are "unknown". The amplitude comes back within four standard errors.
 #[test]
@@ -52,7 +41,7 @@ fn an_effect_that_saturates_is_judged_at_its_own_fit() {
         let plan = plan(seed);
         let truth = |rpm, fill| saturating(rpm, fill, 0.7, 0.4, [0.5, 0.0]);
         let data = measured(&plan, seed, truth);
-        let study = studied(&SATURATING, &data);
+        let study = studied(&by(saturating), &data);
         let diagnosis = &study.diagnosis;
         assert_eq!(
             diagnosis.verdict,
@@ -79,11 +68,6 @@ fn bent(rpm: f64, fill: f64, a: f64, b: f64, effects: [f64; 2]) -> [f64; 2] {
     ]
 }
 
-const BENT: Formula = Formula {
-    name: "bent",
-    values: bent,
-};
-
 /// By straight lines the answers are "unknown" or "partial", with amplitudes of 2.6 to 2.8. The search by real runs ends at
 /// the truth of 4.5, within four standard errors, and the effect is named.
 #[test]
@@ -92,7 +76,7 @@ fn a_bent_effect_is_searched_where_the_data_pull_it() {
         let plan = plan(seed);
         let truth = |rpm, fill| bent(rpm, fill, 0.7, 0.4, [4.5, 0.0]);
         let data = measured(&plan, seed, truth);
-        let study = studied(&BENT, &data);
+        let study = studied(&by(bent), &data);
         let diagnosis = &study.diagnosis;
         let summary = diagnosis.summary();
         assert_eq!(diagnosis.verdict, Verdict::Named, "seed {seed}: {summary}");
@@ -105,22 +89,13 @@ fn a_bent_effect_is_searched_where_the_data_pull_it() {
         );
     }
 }
-
 /// The bent simulator, which breaks beyond 3 of "bend".
-struct Brittle;
-
-impl Simulator for Brittle {
-    fn version(&self) -> String {
-        "brittle".into()
+fn brittle(request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+    if request.effect("bend") > 3.0 {
+        let reason = "the bed breaks".to_owned();
+        return Err(SimulatorError::Refused { reason });
     }
-
-    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
-        if request.effect("bend") > 3.0 {
-            let reason = "the bed breaks".to_owned();
-            return Err(SimulatorError::Refused { reason });
-        }
-        BENT.run(request)
-    }
+    by(bent).run(request)
 }
 
 /// A search that meets an amplitude that cannot be run ends there, and the answer says so.
@@ -128,7 +103,7 @@ impl Simulator for Brittle {
 fn a_search_that_cannot_go_on_is_told() {
     let plan = plan(1);
     let data = measured(&plan, 1, |rpm, fill| bent(rpm, fill, 0.7, 0.4, [4.5, 0.0]));
-    let study = studied(&Brittle, &data);
+    let study = studied(&By(brittle), &data);
     assert_ne!(study.diagnosis.verdict, Verdict::Named);
     let said = study.diagnosis.warnings.join("; ");
     assert!(
@@ -147,14 +122,13 @@ fn a_secant_to_another_point_leaves_out_what_the_parameters_do() {
     let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(7);
-    let (mut linear, _) = Linearisation::run(&Worker::new(&campaign, &Toy), &plan).unwrap();
+    let (mut linear, _) = Linearisation::run(&Worker::new(&campaign, &By(toy)), &plan).unwrap();
     linear.not_run.extend([0, 1]);
     let fit = Setting::declared(&plan, &[0.5, 0.5]);
-    let mut on = Setting::declared(&plan, &[1.1, 0.2]);
-    on.effects.insert("bend".into(), 2.0);
+    let on = Setting::declared(&plan, &[1.1, 0.2]).with_amplitude(0, 2.0);
     let run = |setting: &Setting, block| {
         means(
-            &Worker::new(&campaign, &Toy),
+            &Worker::new(&campaign, &By(toy)),
             &plan,
             setting,
             block,
@@ -163,7 +137,7 @@ fn a_secant_to_another_point_leaves_out_what_the_parameters_do() {
         .unwrap()
     };
     let (at_fit, at_on) = (run(&fit, 1), run(&on, 6));
-    let linear = linear.with_secant(&plan, 0, (&fit, &at_fit), (&on, &at_on));
+    let linear = linear.with_secant(0, (&fit, &at_fit), (&on, &at_on));
     // What was run is no longer among those that could not be run.
     assert_eq!(linear.not_run, [1].into());
     for (c, slopes) in plan.conditions.iter().zip(&linear.library) {
@@ -181,11 +155,6 @@ fn interacting(rpm: f64, fill: f64, a: f64, b: f64, effects: [f64; 2]) -> [f64; 
     truth(rpm, fill, a, b, [bend * (2.0 * (a - 0.5)).exp(), tilt])
 }
 
-const INTERACTING: Formula = Formula {
-    name: "interacting",
-    values: interacting,
-};
-
 /// Runs that contradict the slopes correct them: six campaigns of six end at the noise on the used conditions, where a
 /// right model stays below 2.16 (18 values) in 399 of 400 cases, and on the kept ones, below 3 (6 values) in 199 of 200.
 #[test]
@@ -194,7 +163,7 @@ fn slopes_that_runs_contradict_are_corrected() {
         let plan = plan(seed);
         let truth = |rpm, fill| interacting(rpm, fill, 0.7, 0.4, [3.0, 0.0]);
         let data = measured(&plan, seed, truth);
-        let study = studied(&INTERACTING, &data);
+        let study = studied(&by(interacting), &data);
         let summary = study.diagnosis.summary();
         assert_eq!(study.diagnosis.effects, ["bend"], "seed {seed}: {summary}");
         let errors = study.after.unwrap().errors;
@@ -210,10 +179,8 @@ fn slopes_are_corrected_only_where_runs_contradict_them() {
     let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
     let plan = observed(&plan(8), [0.0; 2], 8);
-    let mut from = Setting::declared(&plan, &[0.5, 0.5]);
-    from.effects.insert("bend".into(), 0.5);
-    let mut to = Setting::declared(&plan, &[0.9, 0.4]);
-    to.effects.insert("bend".into(), 2.0);
+    let from = Setting::declared(&plan, &[0.5, 0.5]).with_amplitude(0, 0.5);
+    let to = Setting::declared(&plan, &[0.9, 0.4]).with_amplitude(0, 2.0);
     let corrected = |simulator: &dyn Simulator| {
         let (linear, _) = Linearisation::run(&Worker::new(&campaign, simulator), &plan).unwrap();
         let run = |setting: &Setting, block| {
@@ -232,8 +199,8 @@ fn slopes_are_corrected_only_where_runs_contradict_them() {
         let corrected = linear.contradicted(&plan, &effects, points.0, points.1);
         (corrected.unwrap(), at_from, at_to)
     };
-    assert!(corrected(&Toy).0.is_none(), "noise alone");
-    let (linear, at_from, at_to) = corrected(&INTERACTING);
+    assert!(corrected(&By(toy)).0.is_none(), "noise alone");
+    let (linear, at_from, at_to) = corrected(&by(interacting));
     let linear = linear.expect("a contradiction");
     for (c, condition) in plan.conditions.iter().enumerate().filter(|(_, c)| c.used) {
         for k in 0..2 {
@@ -250,11 +217,6 @@ fn one_sided(rpm: f64, fill: f64, a: f64, b: f64, [bend, tilt]: [f64; 2]) -> [f6
     truth(rpm, fill, a, b, [bend.min(0.0), tilt])
 }
 
-const ONE_SIDED: Formula = Formula {
-    name: "one-sided",
-    values: one_sided,
-};
-
 /// By its probe on the side that does nothing, "bend" has no slope but noise. It is run at both ends of its range, and the one
 /// at which something moves counts.
 #[test]
@@ -264,7 +226,7 @@ fn an_effect_that_acts_on_one_side_is_looked_at_on_both() {
     let data = measured(&plan, 1, |rpm, fill| {
         one_sided(rpm, fill, 0.7, 0.4, [-2.0, 0.0])
     });
-    let study = studied(&ONE_SIDED, &data);
+    let study = studied(&by(one_sided), &data);
     let summary = study.diagnosis.summary();
     assert_eq!(study.diagnosis.effects, ["bend"], "{summary}");
     let found = study.after.unwrap().effects["bend"];
@@ -277,11 +239,6 @@ fn shaken(rpm: f64, fill: f64, a: f64, b: f64, [bend, tilt]: [f64; 2]) -> [f64; 
     truth(rpm, fill, a * less, b * more, [0.3 * bend * bend, tilt])
 }
 
-const SHAKEN: Formula = Formula {
-    name: "shaken",
-    values: shaken,
-};
-
 /// With the slopes of the parameters from where "bend" is off, the search ends at an "a" of 1.7 to 2.0 with more than noise left,
 /// and four answers of four are "unknown". With those from beside it the truth of 1.2 comes back within its prior of 0.3, and
 /// the amplitude within a tenth: one standard error of "a" moves it by that.
@@ -290,13 +247,13 @@ fn slopes_of_the_parameters_are_measured_beside_an_effect_that_changes_them() {
     for seed in 1..=2 {
         let mut plan = plan(seed);
         plan.effects[0].probe = 0.5;
-        for (declared, mean) in plan.declared.iter_mut().zip([1.2, 0.5]) {
+        for (declared, mean) in plan.parameters.iter_mut().zip([1.2, 0.5]) {
             declared.start = mean;
-            declared.prior = Some([mean, 0.3]);
+            declared.prior = Some(Prior { mean, sd: 0.3 });
         }
         let truth = |rpm, fill| shaken(rpm, fill, 1.2, 0.5, [2.5, 0.0]);
         let data = measured(&plan, seed, truth);
-        let study = studied(&SHAKEN, &data);
+        let study = studied(&by(shaken), &data);
         let summary = study.diagnosis.summary();
         assert_eq!(study.diagnosis.effects, ["bend"], "seed {seed}: {summary}");
         let after = study.after.unwrap();
@@ -311,11 +268,6 @@ fn sated(rpm: f64, fill: f64, a: f64, b: f64, [bend, tilt]: [f64; 2]) -> [f64; 2
     truth(rpm, fill, a, b, [1.0 - (-bend / 0.5).exp(), tilt])
 }
 
-const SATED: Formula = Formula {
-    name: "sated",
-    values: sated,
-};
-
 /// Of 1.2 more and more does nothing more: the interval holds the truth, and is wider than by the slope from where it is off, twice
 /// 1.96 times 0.05.
 #[test]
@@ -324,7 +276,7 @@ fn the_interval_of_an_amplitude_knows_that_more_of_it_does_no_more() {
         let plan = plan(seed);
         let truth = |rpm, fill| sated(rpm, fill, 0.7, 0.4, [1.2, 0.0]);
         let data = measured(&plan, seed, truth);
-        let study = studied(&SATED, &data);
+        let study = studied(&by(sated), &data);
         let amplitude = study.diagnosis.amplitudes["bend"];
         let [low, high] = amplitude.interval95;
         let by_slope = 1.96 * study.diagnosis.candidates["bend"].se.unwrap();

@@ -1,14 +1,15 @@
 //! A problem as its residual is studied: conditions with what was measured, parameters, effects.
 
 use super::candidates::CandidateMeasurement;
-use crate::Error;
+use super::runs::{self, At};
 use crate::diagnosis::{CovarianceMatrix, Largest, Sign};
+use crate::{Error, Parameter};
 use campaign::RunRequest;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A condition of the measurements.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct StudyCondition {
     /// Name of the model that stands for this condition, coordinates and all; that of [`ResidualPlan::base`] under the
     /// coordinates below where absent.
@@ -58,23 +59,30 @@ impl StudyCondition {
     }
 }
 
-/// A declared parameter.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct DeclaredParameter {
-    /// Name in [`RunRequest::parameters`].
-    pub name: String,
-    /// Value at which the simulator is linearised.
-    pub start: f64,
-    /// Step of the finite difference.
-    pub step: f64,
-    /// Lower and upper bound.
-    pub bounds: [f64; 2],
-    /// Mean and standard error of a bench measurement; none where it is free.
-    pub prior: Option<[f64; 2]>,
+/// Step of a difference quotient, as a share of the range of a parameter.
+const STEP: f64 = 0.3;
+
+impl Parameter {
+    /// Step of the difference quotient at its start, inside its limits.
+    pub(super) fn step(&self) -> f64 {
+        let size = STEP * (self.range[1] - self.range[0]);
+        if self.start + size <= self.limits[1] {
+            size
+        } else {
+            -size.min(self.start - self.limits[0])
+        }
+    }
+
+    /// That step from another value, or back where that would leave the limits.
+    pub(super) fn step_from(&self, at: f64) -> f64 {
+        let (step, [least, most]) = (self.step(), self.limits);
+        let is_inside = (least..=most).contains(&(at + step));
+        if is_inside { step } else { -step }
+    }
 }
 
 /// An effect of the library.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct EffectProbe {
     /// Name in [`RunRequest::effects`].
     pub name: String,
@@ -125,8 +133,8 @@ pub struct ResidualPlan {
     pub conditions: Vec<StudyCondition>,
     /// Names of the observables.
     pub observables: Vec<String>,
-    /// Declared parameters.
-    pub declared: Vec<DeclaredParameter>,
+    /// Parameters, each with the value at which the simulator is linearised as its start.
+    pub parameters: Vec<Parameter>,
     /// Library.
     pub effects: Vec<EffectProbe>,
     /// Runs for each nominal mean: 2 or more, they give the noise of the simulator.
@@ -142,6 +150,17 @@ impl ResidualPlan {
     /// Number of conditions that the fit uses, or that are kept for the check.
     pub fn count(&self, used: bool) -> usize {
         self.conditions.iter().filter(|c| c.used == used).count()
+    }
+
+    /// Number of measured values that the fit uses.
+    pub(crate) fn values_of_fit(&self) -> usize {
+        self.rows(At::Used).len()
+    }
+
+    /// Condition and observable of each value that was measured at the used or the kept conditions.
+    pub(super) fn rows(&self, at: At) -> Vec<(usize, usize)> {
+        let of = |c: usize| self.measured(c).into_iter().map(move |k| (c, k));
+        runs::numbers(self, at).into_iter().flat_map(of).collect()
     }
 
     /// Numbers of the observables that were measured at a condition.

@@ -1,11 +1,12 @@
 //! Fits of parameters and amplitudes by the linear model, inside their bounds.
 
+use super::ResidualPlan;
 use super::linearisation::Linearisation;
-use super::runs::{Means, Setting};
-use super::{ResidualPlan, assemble};
-use crate::Error;
+use super::runs::{At, Means, Setting};
+use super::whitened::{covariance, of_runs, residual};
 use crate::diagnosis::least_squares_step;
-use nalgebra::{Cholesky, DMatrix, DVector, Matrix, RowDVector};
+use crate::{Error, Prior};
+use nalgebra::{Cholesky, DMatrix, DVector};
 
 /// Fits parameters and the amplitudes of some effects together to the used conditions and the priors, about the means
 /// of runs at a point.
@@ -18,7 +19,7 @@ pub(super) fn with_effects(
     let (taken, at) = unknowns(plan, effects, point);
     let (matrix, target) = linear_problem(plan, linear, &taken, (&at, means))?;
     let amplitudes = |end: usize| taken.iter().map(move |&j| plan.effects[j].range[end]);
-    let bounds = |end: usize| plan.declared.iter().map(move |d| d.bounds[end]);
+    let bounds = |end: usize| plan.parameters.iter().map(move |d| d.limits[end]);
     let bounds = [0, 1].map(|end| bounds(end).chain(amplitudes(end)).collect::<Vec<f64>>());
     // A point that rounding put outside begins on its bound.
     let at: Vec<f64> = (0..at.len())
@@ -32,12 +33,10 @@ pub(super) fn with_effects(
     let solution: Vec<f64> = (0..at.len())
         .map(|j| (at[j] + step[j]).clamp(bounds[0][j], bounds[1][j]))
         .collect();
-    let (parameters, amplitudes) = solution.split_at(plan.declared.len());
+    let (parameters, amplitudes) = solution.split_at(plan.parameters.len());
     let mut setting = Setting::declared(plan, parameters);
     for (&j, amplitude) in taken.iter().zip(amplitudes) {
-        setting
-            .effects
-            .insert(plan.effects[j].name.clone(), *amplitude);
+        setting.effects[j] = *amplitude;
     }
     Ok(setting)
 }
@@ -60,16 +59,16 @@ pub(super) fn standard_errors(
     let (matrix, _) = linear_problem(plan, linear, &taken, (&at, means))?;
     let whole = matrix.tr_mul(&matrix);
     let noise = noise_of_slopes(plan, linear, &taken, means)?;
-    let covariance = covariance(&whole, &noise, matrix.nrows());
+    let covariance = covariance_of(&whole, &noise, matrix.nrows());
     let error = |j: usize| {
         let square = covariance.as_ref()?[(j, j)];
         (square > 0.0 && square.is_finite()).then(|| square.sqrt())
     };
-    Ok((0..plan.declared.len()).map(error).collect())
+    Ok((0..plan.parameters.len()).map(error).collect())
 }
 
 /// Covariance of a fit by slopes of which so much is noise; none where even the noisy ones do not tell all unknowns.
-fn covariance(whole: &DMatrix<f64>, noise: &DMatrix<f64>, rows: usize) -> Option<DMatrix<f64>> {
+fn covariance_of(whole: &DMatrix<f64>, noise: &DMatrix<f64>, rows: usize) -> Option<DMatrix<f64>> {
     let root = Cholesky::new(whole.clone())?.l();
     let half = root.solve_lower_triangular(noise)?;
     let share = root.solve_lower_triangular(&half.transpose())?;
@@ -87,11 +86,14 @@ fn noise_of_slopes(
     taken: &[usize],
     means: &Means,
 ) -> Result<DMatrix<f64>, Error> {
-    let p = plan.declared.len();
+    let p = plan.parameters.len();
     let n = p + taken.len();
     let mut noise = DMatrix::zeros(n, n);
-    for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used) {
-        let run = assemble::share_of_run(plan, linear, 1.0 / means.n[c] as f64, c)?;
+    let whitener = covariance(plan, linear, At::Used, |c| 1.0 / means.n[c] as f64).whitener()?;
+    let of_run = of_runs(plan, linear, At::Used, |_| 1.0).whole();
+    let of_run = whitener.whiten_covariance(&of_run);
+    for (row, (c, _)) in plan.rows(At::Used).into_iter().enumerate() {
+        let run = of_run[(row, row)];
         for error in linear.declared_errors.iter().filter(|error| error.at[c]) {
             let along = DVector::from_column_slice(&error.along);
             let mut of_declared = noise.view_mut((0, 0), (p, p));
@@ -112,17 +114,14 @@ fn unknowns(plan: &ResidualPlan, effects: &[String], point: &Setting) -> (Vec<us
         .iter()
         .filter_map(|name| plan.effects.iter().position(|e| e.name == *name));
     let taken: Vec<usize> = numbers.collect();
-    let at = values_at(plan, &taken, point);
+    let at = values_at(&taken, point);
     (taken, at)
 }
 
 /// The parameters and the amplitudes of some effects at a point.
-pub(super) fn values_at(plan: &ResidualPlan, effects: &[usize], point: &Setting) -> Vec<f64> {
-    let amplitudes = effects
-        .iter()
-        .map(|&j| point.amplitude(&plan.effects[j].name));
-    let values = point.declared_values(plan).into_iter();
-    values.chain(amplitudes).collect()
+pub(super) fn values_at(effects: &[usize], point: &Setting) -> Vec<f64> {
+    let amplitudes = effects.iter().map(|&j| point.effects[j]);
+    point.parameters.iter().copied().chain(amplitudes).collect()
 }
 
 /// Whitened rows of the used conditions and of the priors, and what a step from a point (parameters, then amplitudes) should
@@ -133,41 +132,27 @@ pub(super) fn linear_problem(
     taken: &[usize],
     (at, means): (&[f64], &Means),
 ) -> Result<(DMatrix<f64>, DVector<f64>), Error> {
-    let n = plan.declared.len() + taken.len();
-    let (mut rows, mut target) = (Vec::new(), Vec::new());
-    for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used) {
-        let measured = plan.measured(c);
-        let root = assemble::root(plan, linear, 1.0 / means.n[c] as f64, c)?;
-        let slope = |k: usize, j: usize| match j.checked_sub(plan.declared.len()) {
+    let (p, n) = (plan.parameters.len(), plan.parameters.len() + taken.len());
+    let whitener = covariance(plan, linear, At::Used, |c| 1.0 / means.n[c] as f64).whitener()?;
+    let rows = plan.rows(At::Used);
+    let slopes = DMatrix::from_fn(rows.len(), n, |row, j| {
+        let (c, k) = rows[row];
+        match j.checked_sub(p) {
             None => linear.declared[c][k][j],
             Some(e) => linear.library[c][k][taken[e]],
-        };
-        let slopes = DMatrix::from_fn(measured.len(), n, |row, j| slope(measured[row], j));
-        let pairs = plan.conditions[c].values.iter().zip(&means.values[c]);
-        let residuals = pairs.filter_map(|(y, f)| y.map(|y| y - f));
-        let residual = DVector::from_iterator(measured.len(), residuals);
-        let unsolved = || Error::Search {
-            what: "whitened rows",
-            reason: "the covariance has a zero on its diagonal".into(),
-        };
-        let white = root.solve_lower_triangular(&slopes).ok_or_else(unsolved)?;
-        let right = root
-            .solve_lower_triangular(&residual)
-            .ok_or_else(unsolved)?;
-        rows.extend(white.row_iter().map(Matrix::into_owned));
-        target.extend(right.iter());
-    }
-    for (j, declared) in plan.declared.iter().enumerate() {
-        if let Some([mean, sd]) = declared.prior {
-            let row = |i: usize| if i == j { 1.0 / sd } else { 0.0 };
-            rows.push(RowDVector::from_fn(n, |_, i| row(i)));
-            target.push((mean - at[j]) / sd);
         }
+    });
+    let residual = DVector::from_vec(residual(plan, At::Used, &means.values));
+    let known = plan.parameters.iter().enumerate();
+    let priors: Vec<(usize, Prior)> = known.filter_map(|(j, d)| Some((j, d.prior?))).collect();
+    let all = rows.len() + priors.len();
+    let mut matrix = whitener.whiten(&slopes).resize_vertically(all, 0.0);
+    let mut target = whitener
+        .whiten_vector(&residual)
+        .resize_vertically(all, 0.0);
+    for (i, (j, Prior { mean, sd })) in (rows.len()..).zip(priors) {
+        matrix[(i, j)] = 1.0 / sd;
+        target[i] = (mean - at[j]) / sd;
     }
-    let matrix = if rows.is_empty() {
-        DMatrix::zeros(0, n)
-    } else {
-        DMatrix::from_rows(&rows)
-    };
-    Ok((matrix, DVector::from_vec(target)))
+    Ok((matrix, target))
 }

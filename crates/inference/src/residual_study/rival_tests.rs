@@ -1,16 +1,10 @@
 //! Whether a name is right: effects whose slopes promise what their runs do not keep, and effects that the library lacks.
 
-use super::tests::{measured, outcome, plan, studied, truth};
+use super::tests::{By, measured, outcome, plan, studied, truth};
 use super::{EffectProbe, ResidualPlan, ResidualStudy};
 use crate::diagnosis::Verdict;
-use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
+use campaign::{RunOutcome, RunRequest, SimulatorError};
 use probability::random_stream::Stream;
-
-/// Two effects that both lift angle and shape. "curved" lifts the angle less and less and the shape more and more; "straight"
-/// does in proportion almost what "curved" does at 4: their best fits are 2.5 standard deviations apart at the used conditions.
-/// By its slopes, at the probe of 2 and at its first look, "curved" leaves 5 standard deviations of itself.
-struct Pair;
-
 /// What the two do to angle and shape.
 fn pair(rpm: f64, fill: f64, curved: f64, straight: f64) -> [f64; 2] {
     let (slowing, growing) = (1.0 - (-curved).exp(), (curved / 2.0).powi(3));
@@ -22,19 +16,16 @@ fn pair(rpm: f64, fill: f64, curved: f64, straight: f64) -> [f64; 2] {
     ]
 }
 
-impl Simulator for Pair {
-    fn version(&self) -> String {
-        "pair".into()
-    }
-
-    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
-        let (rpm, fill) = (request.condition("rpm")?, request.condition("fill")?);
-        let (a, b) = (request.parameter("a")?, request.parameter("b")?);
-        let effect = |name| request.effect(name);
-        let [angle, shape] = truth(rpm, fill, a, b, [0.0, effect("tilt")]);
-        let [more_angle, more_shape] = pair(rpm, fill, effect("curved"), effect("straight"));
-        Ok(outcome(request, [angle + more_angle, shape + more_shape]))
-    }
+/// Two effects that both lift angle and shape. "curved" lifts the angle less and less and the shape more and more; "straight"
+/// does in proportion almost what "curved" does at 4: their best fits are 2.5 standard deviations apart at the used conditions.
+/// By its slopes, at the probe of 2 and at its first look, "curved" leaves 5 standard deviations of itself.
+fn pair_run(request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+    let (rpm, fill) = (request.condition("rpm")?, request.condition("fill")?);
+    let (a, b) = (request.parameter("a")?, request.parameter("b")?);
+    let effect = |name| request.effect(name);
+    let [angle, shape] = truth(rpm, fill, a, b, [0.0, effect("tilt")]);
+    let [more_angle, more_shape] = pair(rpm, fill, effect("curved"), effect("straight"));
+    Ok(outcome(request, [angle + more_angle, shape + more_shape]))
 }
 
 /// The plan with these effects in the library.
@@ -53,7 +44,6 @@ fn plan_with(names: &[&str], seed: u64) -> ResidualPlan {
 struct Count {
     /// The truth named alone.
     right: usize,
-    /// The truth in a tie.
     tied: usize,
     /// Effects named, or said to be one of those that are missing, the truth not among them.
     wrong: usize,
@@ -64,7 +54,6 @@ struct Count {
 }
 
 impl Count {
-    /// Adds one answer.
     fn add(&mut self, study: &ResidualStudy, hidden: &str) {
         let d = &study.diagnosis;
         let holds = d.effects.iter().any(|name| name == hidden);
@@ -78,7 +67,6 @@ impl Count {
     }
 }
 
-/// Campaigns in which an effect of the pair is hidden.
 fn campaigns_of_pair(hidden: &str, amplitude: f64, number: u64) -> Count {
     let mut count = Count::default();
     for seed in 1..=number {
@@ -92,7 +80,7 @@ fn campaigns_of_pair(hidden: &str, amplitude: f64, number: u64) -> Count {
             let [more_angle, more_shape] = pair(rpm, fill, curved, straight);
             [angle + more_angle, shape + more_shape]
         });
-        count.add(&studied(&Pair, &data), hidden);
+        count.add(&studied(&By(pair_run), &data), hidden);
     }
     count
 }
@@ -111,7 +99,7 @@ fn campaigns_outside(number: u64) -> Count {
             let hidden = |c: &[f64]| c[0] * x + c[1] * x * x + c[2] * x * y + c[3] * y * y;
             [angle + hidden(&c[..4]), shape + hidden(&c[4..])]
         });
-        count.add(&studied(&Pair, &data), "none of them");
+        count.add(&studied(&By(pair_run), &data), "none of them");
     }
     count
 }

@@ -1,8 +1,10 @@
 //! Which models real runs must fit again before one of them is named, and what these runs say of each other.
 
 use super::amplitude_search::WORTH_A_SEARCH;
-use super::fits::{Fits, Looks, Refitted, Visited};
+use super::fits::{Fits, Refitted, Remeasured, Visited};
 use super::linearisation::Linearisation;
+use super::runs::At;
+use super::whitened::whitened;
 use super::{AddedEffect, ResidualPlan, assemble};
 use crate::Error;
 use crate::diagnosis::{Diagnosis, RefittedModel, Verdict};
@@ -12,7 +14,6 @@ pub(crate) const MOST_REFITS: usize = 3;
 
 /// A diagnosis by real runs, with the models behind it.
 pub(super) struct Decided {
-    /// What it says.
     pub(super) diagnosis: Diagnosis,
     /// The models in question, the best first, with their runs at the kept conditions.
     pub(super) added: Vec<AddedEffect>,
@@ -79,7 +80,7 @@ impl Fits<'_> {
         linear: &Linearisation,
         fit: &Visited,
         diagnosis: Diagnosis,
-        looks: &mut Looks,
+        remeasured: &mut Remeasured,
     ) -> Result<Decided, Error> {
         let (mut sets, tied) = sets_to_refit(&diagnosis, self.plan);
         if sets.is_empty() {
@@ -91,16 +92,16 @@ impl Fits<'_> {
         }
         let mut open = sets.split_off(sets.len().min(MOST_REFITS));
         open.truncate(tied.saturating_sub(MOST_REFITS));
-        let models = self.refitted(linear, &sets, fit, looks)?;
+        let models = self.refitted(linear, &sets, fit, remeasured)?;
         let is_refitted = |set: &Vec<String>| models.iter().any(|m| m.effects == *set);
         let ties = sets.iter().take(tied);
         let failed: Vec<Vec<String>> = ties.filter(|set| !is_refitted(set)).cloned().collect();
         let could_be_run = failed.is_empty();
         open.extend(failed);
         let compared = |model: &Refitted| -> Result<RefittedModel, Error> {
-            let end = (&model.end.means.values[..], true);
+            let end = (&model.end.means.values[..], At::Used);
             let runs = &fit.means.n;
-            let (mut residual, noise) = assemble::whitened(self.plan, linear, runs, end)?;
+            let (mut residual, noise) = whitened(self.plan, linear, runs, end)?;
             residual.extend(assemble::from_priors(self.plan, &model.end.setting));
             Ok(RefittedModel {
                 effects: model.effects.clone(),

@@ -2,7 +2,7 @@
 
 use super::scatter::Scatter;
 use super::worker::{Ran, Worker};
-use super::{DeclaredParameter, EffectProbe, ResidualPlan, StudyCondition};
+use super::{ResidualPlan, StudyCondition};
 use crate::Error;
 use campaign::RunRequest;
 use campaign::run_store::Record;
@@ -11,10 +11,10 @@ use std::collections::BTreeMap;
 /// A point in parameters and amplitudes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Setting {
-    /// Declared parameters by name.
-    pub(super) parameters: BTreeMap<String, f64>,
-    /// Amplitudes by effect.
-    pub(super) effects: BTreeMap<String, f64>,
+    /// Declared parameters, in the order of the plan.
+    pub(super) parameters: Vec<f64>,
+    /// Amplitudes of its effects; 0 of one that is off.
+    pub(super) effects: Vec<f64>,
 }
 
 /// Means of the observables, (conditions, observables).
@@ -29,24 +29,23 @@ pub(super) struct Means {
 }
 
 impl Setting {
-    /// The declared parameters in the order of the plan, no effect.
+    /// A point without effects.
     pub(super) fn declared(plan: &ResidualPlan, values: &[f64]) -> Self {
-        let names = plan.declared.iter().map(|d| d.name.clone());
         Self {
-            parameters: names.zip(values.iter().copied()).collect(),
-            effects: BTreeMap::new(),
+            parameters: values.to_vec(),
+            effects: vec![0.0; plan.effects.len()],
         }
     }
 
-    /// The amplitude of an effect; 0 of one that is off.
-    pub(super) fn amplitude(&self, effect: &str) -> f64 {
-        self.effects.get(effect).copied().unwrap_or(0.0)
+    /// The same with another amplitude of an effect.
+    pub(super) fn with_amplitude(mut self, effect: usize, amplitude: f64) -> Self {
+        self.effects[effect] = amplitude;
+        self
     }
 
-    /// Its declared parameters in the order of the plan.
-    pub(super) fn declared_values(&self, plan: &ResidualPlan) -> Vec<f64> {
-        let value = |d: &DeclaredParameter| self.parameters[&d.name];
-        plan.declared.iter().map(value).collect()
+    pub(super) fn by_name(&self, plan: &ResidualPlan) -> BTreeMap<String, f64> {
+        let names = plan.parameters.iter().map(|d| d.symbol.clone());
+        names.zip(self.parameters.iter().copied()).collect()
     }
 
     /// The run of one condition; `block` and `replicate` choose a seed that no other block uses.
@@ -62,16 +61,15 @@ impl Setting {
             Some(model) => request.model.clone_from(model),
             None => request.condition.extend(condition.condition.clone()),
         }
-        let own = self
-            .parameters
-            .iter()
-            .filter(|(name, _)| condition.depends_on(name));
+        let own = plan.parameters.iter().zip(&self.parameters);
+        let own = own.filter(|(d, _)| condition.depends_on(&d.symbol));
+        let own = own.map(|(d, x)| (d.symbol.clone(), *x));
+        request.parameters.extend(own);
+        let on = plan.effects.iter().zip(&self.effects);
+        let on = on.filter(|(e, amplitude)| **amplitude != 0.0 && e.acts_on(condition));
         request
-            .parameters
-            .extend(own.map(|(name, x)| (name.clone(), *x)));
-        let acting = plan.effects.iter().filter(|e| e.acts_on(condition));
-        let amplitude = |e: &EffectProbe| Some((e.name.clone(), *self.effects.get(&e.name)?));
-        request.effects.extend(acting.filter_map(amplitude));
+            .effects
+            .extend(on.map(|(e, x)| (e.name.clone(), *x)));
         request.with_seed(plan.base.seed + 1000 * block + replicate as u64)
     }
 }
@@ -210,7 +208,6 @@ fn row(
         .collect()
 }
 
-/// Mean of an observable in a record.
 fn value(record: &Record, observable: &str) -> Result<f64, Error> {
     record
         .observable(observable)

@@ -193,7 +193,6 @@ impl Moderation {
 }
 
 impl Products {
-    /// Those of some rows about their mean.
     fn of(rows: &[Vec<f64>], mean: &[f64]) -> Self {
         let width = mean.len();
         let mut products = Self {
@@ -212,7 +211,6 @@ impl Products {
         products
     }
 
-    /// Takes in others.
     fn add(&mut self, other: &Self) {
         if self.sums.is_empty() {
             self.clone_from(other);

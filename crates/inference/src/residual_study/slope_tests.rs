@@ -1,20 +1,17 @@
 use super::runs::{Means, Setting};
 use super::scatter::Scatter;
 use super::slopes::{Points, Slopes};
-use super::tests::{plan, studied};
-use super::{DeclaredParameter, EffectProbe, ResidualPlan, StudyCondition};
+use super::tests::{By, plan, studied};
+use super::{EffectProbe, ResidualPlan, StudyCondition};
 use crate::diagnosis::Verdict;
-use campaign::run_store::{Observation, Store};
-use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
+use crate::{Parameter, Prior};
+use campaign::run_store::Observation;
+use campaign::{RunOutcome, RunRequest, SimulatorError};
 use probability::random_stream::Stream;
 use std::collections::BTreeMap;
 
 /// Standard deviation of a run: height (mm), angle at the toe and at the top (deg).
 const RUN_SD: [f64; 3] = [2.4, 1.5, 1.5];
-
-/// A box that empties, in closed form: what stays changes little with friction, and much with water.
-struct WetBox;
-
 /// Height, toe and top angle.
 fn wet_box(friction: f64, water: f64, resistance: f64) -> [f64; 3] {
     let more = friction - 0.45;
@@ -25,27 +22,17 @@ fn wet_box(friction: f64, water: f64, resistance: f64) -> [f64; 3] {
     ]
 }
 
-impl Simulator for WetBox {
-    fn version(&self) -> String {
-        "wet box".into()
+/// A box that empties, in closed form: what stays changes little with friction, and much with water.
+fn wet_box_run(request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+    let [water, resistance] = ["water", "resistance"].map(|name| request.effect(name));
+    let values = wet_box(request.parameter("friction")?, water, resistance);
+    let mut stream = Stream::new(request.seed, &format!("{request}"));
+    let mut outcome = RunOutcome::default();
+    for ((name, value), sd) in ["height", "toe", "top"].iter().zip(values).zip(RUN_SD) {
+        let observation = Observation::of_one(value + sd * stream.normal(), "1");
+        outcome = outcome.with_observable(name, observation);
     }
-
-    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
-        let [water, resistance] = ["water", "resistance"].map(|name| request.effect(name));
-        let values = wet_box(request.parameter("friction")?, water, resistance);
-        let mut stream = Stream::new(request.seed, &format!("{request}"));
-        let mut outcome = RunOutcome::default();
-        for ((name, value), sd) in ["height", "toe", "top"].iter().zip(values).zip(RUN_SD) {
-            let observation = Observation {
-                mean: value + sd * stream.normal(),
-                sd: None,
-                n: 1,
-                unit: "1".into(),
-            };
-            outcome = outcome.with_observable(name, observation);
-        }
-        Ok(outcome)
-    }
+    Ok(outcome)
 }
 
 /// One condition, three runs a mean, a friction that a bench test knows to 0.03, and a step of the slope no longer than
@@ -55,27 +42,26 @@ fn box_plan(seed: u64) -> ResidualPlan {
         name: name.into(),
         probe: 0.5,
         range: [0.0, 2.0],
-        absent: BTreeMap::new(),
+        ..EffectProbe::default()
     };
     ResidualPlan {
         id: "wet box".into(),
         base: RunRequest::new("wet box", 100 + seed),
         conditions: vec![StudyCondition {
-            model: None,
-            observables: None,
             condition: BTreeMap::from([("speed".to_owned(), 1.0)]),
-            parameters: None,
             used: true,
-            values: Vec::new(),
-            covariance: Vec::new(),
+            ..StudyCondition::default()
         }],
         observables: ["height", "toe", "top"].map(String::from).to_vec(),
-        declared: vec![DeclaredParameter {
-            name: "friction".into(),
+        // A step is 0.3 of the range.
+        parameters: vec![Parameter {
             start: 0.45,
-            step: 0.05,
-            bounds: [0.02, 1.0],
-            prior: Some([0.45, 0.03]),
+            limits: [0.02, 1.0],
+            prior: Some(Prior {
+                mean: 0.45,
+                sd: 0.03,
+            }),
+            ..Parameter::new("friction", [0.4, 0.4 + 0.05 / 0.3])
         }],
         effects: vec![effect("water"), effect("resistance")],
         replicates: 3,
@@ -103,7 +89,7 @@ fn slopes_that_are_noise_forgive_nothing() {
         let block = (0..3).map(|i| (0..3).map(|k| diagonal(i, k)).collect());
         plan.conditions[0].values = values.collect();
         plan.conditions[0].covariance = block.collect();
-        let study = studied(&WetBox, &plan);
+        let study = studied(&By(wet_box_run), &plan);
         let p = study.diagnosis.structured_residual.p.unwrap();
         assert!(p < 1e-5, "seed {seed}: p {p}");
         let friction = study.fitted["friction"];
@@ -154,7 +140,7 @@ fn errors_of_slopes_are_as_large_as_slopes_scatter() {
         let beside = points[..3].iter().map(|(setting, means)| (setting, means));
         let mut known = Points::new(&plan, beside, &moves);
         for (setting, means) in &points[3..] {
-            known.visit(&plan, setting, means);
+            known.visit(setting, means);
         }
         let slopes = known.slopes();
         for (c, truth) in [[5.0, -2.0], [4.0, 0.0]].iter().enumerate() {

@@ -2,14 +2,15 @@
 
 use super::ResidualPlan;
 use super::runs::{Means, Setting};
-use nalgebra::{DMatrix, DVector};
+use crate::Parameter;
+use nalgebra::DMatrix;
+use response_surface::{Model, Polynomials};
 
 /// Runs without an effect: the start, a step in each declared parameter, and where the fit went.
 #[derive(Debug, Clone)]
 pub(super) struct Points {
     /// The start, then a step in each declared parameter.
     beside: Vec<Point>,
-    /// Further points.
     visited: Vec<Point>,
     /// Step of each declared parameter.
     steps: Vec<f64>,
@@ -40,20 +41,17 @@ pub(super) struct SlopeError {
 /// Slopes at a condition, (observables, parameters or effects).
 pub(super) type ConditionSlopes = Vec<Vec<f64>>;
 
-/// Slopes with their errors.
 #[derive(Debug, Clone)]
 pub(super) struct Slopes {
     /// d observable / d parameter, (conditions, observables, parameters); 0 where a parameter moves nothing.
     pub(super) values: Vec<ConditionSlopes>,
-    /// Their errors.
     pub(super) errors: Vec<SlopeError>,
 }
 
 impl Point {
-    /// The means at a setting.
-    fn new(plan: &ResidualPlan, setting: &Setting, means: &Means) -> Self {
+    fn new(setting: &Setting, means: &Means) -> Self {
         Self {
-            parameters: setting.declared_values(plan),
+            parameters: setting.parameters.clone(),
             values: means.values.clone(),
             n: means.least_n(),
         }
@@ -67,18 +65,18 @@ impl Points {
         beside: impl Iterator<Item = (&'a Setting, &'a Means)>,
         moves: &[Vec<bool>],
     ) -> Self {
-        let point = |(setting, means)| Point::new(plan, setting, means);
+        let point = |(setting, means)| Point::new(setting, means);
         Self {
             beside: beside.map(point).collect(),
             visited: Vec::new(),
-            steps: plan.declared.iter().map(|d| d.step).collect(),
-            moves: moves[..plan.declared.len()].to_vec(),
+            steps: plan.parameters.iter().map(Parameter::step).collect(),
+            moves: moves[..plan.parameters.len()].to_vec(),
         }
     }
 
     /// Takes in a point with seeds of its own.
-    pub(super) fn visit(&mut self, plan: &ResidualPlan, setting: &Setting, means: &Means) {
-        self.visited.push(Point::new(plan, setting, means));
+    pub(super) fn visit(&mut self, setting: &Setting, means: &Means) {
+        self.visited.push(Point::new(setting, means));
     }
 
     /// The slopes by all points.
@@ -114,18 +112,25 @@ impl Points {
                 .copied()
                 .filter(|&c| moving(c) == *kind)
                 .collect();
-            let (points, to_slopes, covariance) = self.normal_equations(start, kind);
+            // A step that moves nothing here is the start once more, with its seeds.
+            let steps = kind.iter().filter_map(|&j| self.beside.get(1 + j));
+            let points = std::iter::once(start).chain(steps).chain(&self.visited);
+            let points: Vec<&Point> = points.collect();
+            let Some(plane) = self.plane(&points, (start, kind), &same) else {
+                continue;
+            };
+            let mut column = 0;
             for &c in &same {
-                for k in 0..values[c].len() {
-                    let seen = points.iter().map(|point| point.values[c][k]);
-                    let slopes = &to_slopes * DVector::from_iterator(points.len(), seen);
-                    for (&j, slope) in kind.iter().zip(slopes.iter()) {
-                        values[c][k][j] = slope / self.steps[j];
+                for of_observable in &mut values[c] {
+                    for (line, &j) in kind.iter().enumerate() {
+                        of_observable[j] = plane.coefficients[(1 + line, column)] / self.steps[j];
                     }
+                    column += 1;
                 }
             }
             // Steps are not 0, so that C is positive definite but for rounding.
-            let factor = covariance.cholesky().map(|root| root.l());
+            let block = plane.inverse.view((1, 1), (kind.len(), kind.len()));
+            let factor = block.into_owned().cholesky().map(|root| root.l());
             for column in factor.iter().flat_map(|factor| factor.column_iter()) {
                 let mut along = vec![0.0; p];
                 for (&j, x) in kind.iter().zip(column.iter()) {
@@ -138,35 +143,31 @@ impl Points {
         Slopes { values, errors }
     }
 
-    /// The points that tell of some parameters, what takes their values to slopes, and the block C; slopes over steps.
-    fn normal_equations<'a>(
-        &'a self,
-        start: &'a Point,
-        kind: &[usize],
-    ) -> (Vec<&'a Point>, DMatrix<f64>, DMatrix<f64>) {
-        // A step that moves nothing here is the start once more, with its seeds.
-        let steps = kind.iter().filter_map(|&j| self.beside.get(1 + j));
-        let points: Vec<&Point> = std::iter::once(start)
-            .chain(steps)
-            .chain(&self.visited)
+    /// The plane over some parameters, each over its step, through the observables of some conditions one behind the other.
+    fn plane(
+        &self,
+        points: &[&Point],
+        (start, kind): (&Point, &[usize]),
+        conditions: &[usize],
+    ) -> Option<Polynomials> {
+        let way = |at: &Point, j: usize| (at.parameters[j] - start.parameters[j]) / self.steps[j];
+        let coded: Vec<Vec<f64>> = points
+            .iter()
+            .map(|at| kind.iter().map(|&j| way(at, j)).collect())
             .collect();
-        let (n, q) = (points.len(), kind.len());
-        let x = DMatrix::from_fn(n, 1 + q, |i, column| match column.checked_sub(1) {
-            None => 1.0,
-            Some(j) => {
-                let j = kind[j];
-                (points[i].parameters[j] - start.parameters[j]) / self.steps[j]
-            }
-        });
-        let weights = DMatrix::from_diagonal(&DVector::from_iterator(
-            n,
-            points.iter().map(|p| p.n as f64),
-        ));
-        let weighted = x.tr_mul(&weights);
-        let inverse = (&weighted * &x)
-            .try_inverse()
-            .unwrap_or_else(|| DMatrix::zeros(1 + q, 1 + q));
-        let to_slopes = (&inverse * weighted).rows(1, q).into_owned();
-        (points, to_slopes, inverse.view((1, 1), (q, q)).into_owned())
+        let weights: Vec<f64> = points.iter().map(|at| at.n as f64).collect();
+        let seen = |at: &&Point| {
+            conditions
+                .iter()
+                .flat_map(|&c| at.values[c].clone())
+                .collect()
+        };
+        let rows: Vec<Vec<f64>> = points.iter().map(seen).collect();
+        let responses = DMatrix::from_fn(rows.len(), rows[0].len(), |i, k| rows[i][k]);
+        let symbols = kind.iter().map(|j| format!("x{j}")).collect();
+        let mut powers = vec![vec![0; kind.len()]; 1 + kind.len()];
+        (0..kind.len()).for_each(|j| powers[1 + j][j] = 1);
+        let model = Model::of_powers(symbols, powers);
+        Polynomials::fit(&model, &coded, &responses, &weights).ok()
     }
 }

@@ -1,7 +1,6 @@
 use super::rivals::sets_to_refit;
-use super::{
-    DeclaredParameter, EffectProbe, ResidualPlan, ResidualStudy, StudyCondition, study_residual,
-};
+use super::{EffectProbe, ResidualPlan, ResidualStudy, StudyCondition, study_residual};
+use crate::Parameter;
 use crate::diagnosis::{CovarianceInput, Problem, Truth, Verdict, trials};
 use campaign::run_store::{Observation, Store};
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
@@ -11,10 +10,6 @@ use std::collections::BTreeMap;
 /// Noise of one run, and of one measurement.
 const RUN_SD: f64 = 0.1;
 pub(super) const MEASURED_SD: f64 = 0.1;
-
-/// A simulator in closed form: two observables, two parameters, two effects.
-pub(super) struct Toy;
-
 pub(super) fn truth(rpm: f64, fill: f64, a: f64, b: f64, effects: [f64; 2]) -> [f64; 2] {
     [
         30.0 + 10.0 * a
@@ -26,27 +21,36 @@ pub(super) fn truth(rpm: f64, fill: f64, a: f64, b: f64, effects: [f64; 2]) -> [
     ]
 }
 
-impl Simulator for Toy {
+/// A simulator whose runs are a function of their request.
+pub(super) struct By<F>(pub(super) F);
+
+impl<F: Fn(&RunRequest) -> Result<RunOutcome, SimulatorError> + Sync> Simulator for By<F> {
+    // One store may hold the runs of several functions.
     fn version(&self) -> String {
-        "toy".into()
+        std::any::type_name::<F>().into()
     }
 
     fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
-        let (rpm, fill) = (request.condition("rpm")?, request.condition("fill")?);
-        let effects = [request.effect("bend"), request.effect("tilt")];
-        if request.effect("no surface") != 0.0 {
-            let reason = "no frame shows a surface".to_owned();
-            return Err(SimulatorError::Refused { reason });
-        }
-        let values = truth(
-            rpm,
-            fill,
-            request.parameter("a")?,
-            request.parameter("b")?,
-            effects,
-        );
-        Ok(outcome(request, values))
+        (self.0)(request)
     }
+}
+
+/// A simulator in closed form: two observables, two parameters, two effects.
+pub(super) fn toy(request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+    let (rpm, fill) = (request.condition("rpm")?, request.condition("fill")?);
+    let effects = [request.effect("bend"), request.effect("tilt")];
+    if request.effect("no surface") != 0.0 {
+        let reason = "no frame shows a surface".to_owned();
+        return Err(SimulatorError::Refused { reason });
+    }
+    let values = truth(
+        rpm,
+        fill,
+        request.parameter("a")?,
+        request.parameter("b")?,
+        effects,
+    );
+    Ok(outcome(request, values))
 }
 
 /// A run that gives these values with noise. The effect "turn" is that of a camera: it adds to the angle and
@@ -59,12 +63,7 @@ pub(super) fn outcome(request: &RunRequest, [angle, shape]: [f64; 2]) -> RunOutc
     let mut outcome = RunOutcome::default();
     for (name, value) in ["angle", "shape"].iter().zip(values) {
         let mean = value + RUN_SD * stream.normal();
-        let result = Observation {
-            mean,
-            sd: None,
-            n: 1,
-            unit: "1".into(),
-        };
+        let result = Observation::of_one(mean, "1");
         outcome = outcome.with_observable(name, result);
     }
     outcome
@@ -75,35 +74,28 @@ pub(super) fn plan(seed: u64) -> ResidualPlan {
     for rpm in [5.0, 10.0, 20.0, 30.0] {
         for fill in [0.2, 0.3, 0.4] {
             conditions.push(StudyCondition {
-                model: None,
-                observables: None,
                 condition: BTreeMap::from([("rpm".to_owned(), rpm), ("fill".to_owned(), fill)]),
-                parameters: None,
                 used: rpm != 20.0,
-                values: Vec::new(),
-                covariance: Vec::new(),
+                ..StudyCondition::default()
             });
         }
     }
-    let declared = |name: &str| DeclaredParameter {
-        name: name.into(),
-        start: 0.5,
-        step: 0.3,
-        bounds: [0.0, 2.0],
-        prior: None,
+    let declared = |name: &str| Parameter {
+        limits: [0.0, 2.0],
+        ..Parameter::new(name, [0.0, 1.0])
     };
     let effect = |name: &str| EffectProbe {
         name: name.into(),
         probe: 2.0,
         range: [0.0, 5.0],
-        absent: BTreeMap::new(),
+        ..EffectProbe::default()
     };
     ResidualPlan {
         id: "toy".into(),
         base: RunRequest::new("toy", 100 + seed),
         conditions,
         observables: vec!["angle".into(), "shape".into()],
-        declared: vec![declared("a"), declared("b")],
+        parameters: vec![declared("a"), declared("b")],
         effects: vec![effect("bend"), effect("tilt")],
         replicates: 4,
         seed,
@@ -146,7 +138,7 @@ pub(super) fn measured(
 #[test]
 fn a_planted_effect_is_named_and_the_kept_error_falls() {
     let plan = plan(1);
-    let study = studied(&Toy, &observed(&plan, [2.0, 0.0], 1));
+    let study = studied(&By(toy), &observed(&plan, [2.0, 0.0], 1));
     assert_eq!(
         study.diagnosis.verdict,
         Verdict::Named,
@@ -173,7 +165,7 @@ fn a_planted_effect_is_named_and_the_kept_error_falls() {
 #[test]
 fn nothing_is_named_where_nothing_is_hidden() {
     let plan = plan(2);
-    let study = studied(&Toy, &observed(&plan, [0.0, 0.0], 2));
+    let study = studied(&By(toy), &observed(&plan, [0.0, 0.0], 2));
     assert_eq!(
         study.diagnosis.verdict,
         Verdict::None,
@@ -200,7 +192,7 @@ fn few_campaigns_without_a_hidden_effect_report_one() {
     for seed in 0..campaigns {
         let plan = plan(1000 + seed);
         let observed = observed(&plan, [0.0, 0.0], seed);
-        let study = studied(&Toy, &observed);
+        let study = studied(&By(toy), &observed);
         reported += usize::from(study.diagnosis.verdict != Verdict::None);
     }
     println!("{reported} of {campaigns} campaigns report something missing");
@@ -215,7 +207,7 @@ fn few_campaigns_without_a_hidden_effect_report_one() {
 fn false_alarms_are_forecast_as_they_are() {
     let forecast = |seed: u64| {
         let plan = plan(1000 + seed);
-        let study = studied(&Toy, &observed(&plan, [0.0, 0.0], seed));
+        let study = studied(&By(toy), &observed(&plan, [0.0, 0.0], seed));
         let problem = Problem::try_from(study.problem).unwrap();
         trials(&problem, &[Truth::Nothing], 100, seed, 0).unwrap()[0].alarm()
     };
@@ -231,7 +223,7 @@ fn one_replicate_is_refused_because_it_gives_no_noise() {
         replicates: 1,
         ..plan(3)
     };
-    let error = study_residual(&campaign, &Toy, &observed(&plan, [0.0; 2], 3)).unwrap_err();
+    let error = study_residual(&campaign, &By(toy), &observed(&plan, [0.0; 2], 3)).unwrap_err();
     assert!(
         error
             .to_string()
@@ -252,11 +244,11 @@ fn an_effect_that_cannot_be_run_is_left_out_with_its_reason() {
             name: "no surface".into(),
             probe: 1.0,
             range: [0.0, 1.0],
-            absent: BTreeMap::new(),
+            ..EffectProbe::default()
         },
     );
-    let with = studied(&Toy, &observed(&more, [2.0, 0.0], 1));
-    let without = studied(&Toy, &observed(&plan, [2.0, 0.0], 1));
+    let with = studied(&By(toy), &observed(&more, [2.0, 0.0], 1));
+    let without = studied(&By(toy), &observed(&plan, [2.0, 0.0], 1));
     assert!(with.left_out["no surface"].contains("no frame shows a surface"));
     assert!(without.left_out.is_empty());
     assert_eq!(with.diagnosis, without.diagnosis);
@@ -272,10 +264,10 @@ fn an_effect_of_the_camera_shares_the_noise_of_the_start() {
         name: "turn".into(),
         probe: 2.0,
         range: [-5.0, 5.0],
-        absent: BTreeMap::new(),
+        ..EffectProbe::default()
     });
-    let without = studied(&Toy, &observed(&plan, [2.0, 0.0], 5));
-    let with = studied(&Toy, &observed(&more, [2.0, 0.0], 5));
+    let without = studied(&By(toy), &observed(&plan, [2.0, 0.0], 5));
+    let with = studied(&By(toy), &observed(&more, [2.0, 0.0], 5));
     assert_eq!(
         with.diagnosis.effects,
         ["bend"],
@@ -311,8 +303,8 @@ fn a_value_that_was_not_measured_has_no_weight() {
     for c in &mut both.conditions {
         c.values[1] = None;
     }
-    let missing = studied(&Toy, &both);
-    let alone = studied(&Toy, &one);
+    let missing = studied(&By(toy), &both);
+    let alone = studied(&By(toy), &one);
     let t0 = |s: &super::ResidualStudy| s.diagnosis.structured_residual.t0.unwrap();
     assert!(
         (t0(&missing) - t0(&alone)).abs() < 1e-9 * t0(&alone),
@@ -321,25 +313,16 @@ fn a_value_that_was_not_measured_has_no_weight() {
     assert_eq!(missing.fitted, alone.fitted);
     assert_eq!(missing.errors_before.used.rmse.len(), 1);
 }
-
 /// Two effects that do the same, "bend" and "bow"; the second cannot be run at 25 rpm.
-struct Twins;
-
-impl Simulator for Twins {
-    fn version(&self) -> String {
-        "twins".into()
+fn twins(request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+    if request.condition("rpm")? == 25.0 && request.effect("bow") != 0.0 {
+        let reason = "the bow breaks at 25 rpm".to_owned();
+        return Err(SimulatorError::Refused { reason });
     }
-
-    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
-        if request.condition("rpm")? == 25.0 && request.effect("bow") != 0.0 {
-            let reason = "the bow breaks at 25 rpm".to_owned();
-            return Err(SimulatorError::Refused { reason });
-        }
-        let mut one = request.clone();
-        let both = request.effect("bend") + request.effect("bow");
-        one.effects.insert("bend".into(), both);
-        Toy.run(&one)
-    }
+    let mut one = request.clone();
+    let both = request.effect("bend") + request.effect("bow");
+    one.effects.insert("bend".into(), both);
+    toy(&one)
 }
 
 /// The plan with both twins in the library.
@@ -359,7 +342,7 @@ pub(super) fn plan_of_twins() -> ResidualPlan {
 fn tied_effects_are_added_in_turn() {
     let plan = plan_of_twins();
     let data = observed(&plan, [2.0, 0.0], 1);
-    let study = studied(&Twins, &data);
+    let study = studied(&By(twins), &data);
     let diagnosis = &study.diagnosis;
     assert_eq!(diagnosis.verdict, Verdict::Tie, "{}", diagnosis.summary());
     let mut tied = diagnosis.effects.clone();
@@ -393,7 +376,7 @@ fn a_tied_effect_that_cannot_be_run_is_told_and_left_out() {
         condition.condition.insert("rpm".into(), 25.0);
     }
     let data = observed(&plan, [2.0, 0.0], 2);
-    let study = studied(&Twins, &data);
+    let study = studied(&By(twins), &data);
     assert_eq!(study.diagnosis.verdict, Verdict::Tie);
     assert_eq!(study.rivals.len(), 1);
     assert!(study.rivals[0].effects.contains_key("bend"));
@@ -407,25 +390,18 @@ fn a_tied_effect_that_cannot_be_run_is_told_and_left_out() {
 /// An observable without any scatter of the runs, such as a count, is no reason to stop.
 #[test]
 fn an_observable_that_does_not_scatter_can_be_fitted() {
-    struct Counting;
-    impl Simulator for Counting {
-        fn version(&self) -> String {
-            "counting".into()
+    fn counting(request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        let mut outcome = toy(request)?;
+        if let Some(shape) = outcome.observables.get_mut("shape") {
+            shape.mean = 3.0;
         }
-
-        fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
-            let mut outcome = Toy.run(request)?;
-            if let Some(shape) = outcome.observables.get_mut("shape") {
-                shape.mean = 3.0;
-            }
-            Ok(outcome)
-        }
+        Ok(outcome)
     }
     let plan = plan(9);
     let data = measured(&plan, 9, |rpm, fill| {
         [truth(rpm, fill, 0.7, 0.4, [2.0, 0.0])[0], 3.0]
     });
-    studied(&Counting, &data);
+    studied(&By(counting), &data);
 }
 
 /// The first of each group is the effect that was taken: all of them together come first, then the next best of each
@@ -433,7 +409,7 @@ fn an_observable_that_does_not_scatter_can_be_fitted() {
 #[test]
 fn models_to_be_run_begin_with_what_was_taken() {
     let plan = plan(2);
-    let mut diagnosis = studied(&Toy, &observed(&plan, [0.0; 2], 2)).diagnosis;
+    let mut diagnosis = studied(&By(toy), &observed(&plan, [0.0; 2], 2)).diagnosis;
     let sets = |d: &_| sets_to_refit(d, &plan).0;
     assert!(sets(&diagnosis).is_empty(), "nothing is named");
     let groups = |groups: &[&[&str]]| -> Vec<Vec<String>> {
@@ -449,7 +425,7 @@ fn models_to_be_run_begin_with_what_was_taken() {
 #[test]
 fn an_effect_that_explains_half_as_much_is_a_rival() {
     let plan = plan(2);
-    let mut diagnosis = studied(&Toy, &observed(&plan, [0.0; 2], 2)).diagnosis;
+    let mut diagnosis = studied(&By(toy), &observed(&plan, [0.0; 2], 2)).diagnosis;
     diagnosis.effects = vec!["bend".into()];
     diagnosis.tie_groups = vec![diagnosis.effects.clone()];
     diagnosis.structured_residual.t0 = Some(104.0);
@@ -465,26 +441,17 @@ fn an_effect_that_explains_half_as_much_is_a_rival() {
     assert_eq!(sets(55.0), (alone, 1));
     assert_eq!(sets(53.0), (both, 1));
 }
-
-/// The drum of [`Toy`] by its angle alone, and a sled that no camera sees; both feel the friction "a".
-struct DrumAndSled;
-
-impl Simulator for DrumAndSled {
-    fn version(&self) -> String {
-        "drum and sled".into()
+/// The drum of [`toy`] by its angle alone, and a sled that no camera sees; both feel the friction "a".
+fn drum_and_sled(request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+    if request.model != "sled" {
+        return toy(request);
     }
-
-    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
-        if request.model != "sled" {
-            return Toy.run(request);
-        }
-        if request.effect("turn") != 0.0 {
-            let reason = "a sled has no camera".to_owned();
-            return Err(SimulatorError::Refused { reason });
-        }
-        let a = request.parameter("a")?;
-        Ok(outcome(request, [20.0 + 10.0 * a, 1.0]))
+    if request.effect("turn") != 0.0 {
+        let reason = "a sled has no camera".to_owned();
+        return Err(SimulatorError::Refused { reason });
     }
+    let a = request.parameter("a")?;
+    Ok(outcome(request, [20.0 + 10.0 * a, 1.0]))
 }
 
 /// Evidence across scenes: a turned camera moves the angle of a drum as friction does, and no re-tuning can tell the two
@@ -501,17 +468,16 @@ fn an_effect_is_zero_in_a_scene_that_cannot_carry_it() {
             c.values[1] = None;
         }
         plan.observables[1] = "slope".into();
-        plan.declared.truncate(1);
+        plan.parameters.truncate(1);
         plan.base.parameters.insert("b".into(), 0.4);
         if with_sled {
             plan.conditions.push(StudyCondition {
                 model: Some("sled".into()),
-                condition: BTreeMap::new(),
                 observables: Some(BTreeMap::from([("slope".into(), "angle".into())])),
-                parameters: None,
                 used: true,
                 values: vec![None, Some(27.0)],
                 covariance: plan.conditions[0].covariance.clone(),
+                ..StudyCondition::default()
             });
         } else {
             plan.observables.truncate(1);
@@ -526,7 +492,7 @@ fn an_effect_is_zero_in_a_scene_that_cannot_carry_it() {
             range: [-5.0, 5.0],
             absent: BTreeMap::from([("sled".into(), "it has no camera".into())]),
         }];
-        studied(&DrumAndSled, &plan)
+        studied(&By(drum_and_sled), &plan)
     };
     let drum_alone = diagnosed(false).diagnosis;
     assert_eq!(drum_alone.not_testable, ["turn"]);
@@ -553,7 +519,7 @@ fn an_effect_is_zero_in_a_scene_that_cannot_carry_it() {
 fn a_slope_that_is_noise_is_measured_at_the_largest_amplitude() {
     let mut plan = plan(1);
     plan.effects[0].probe = 0.02;
-    let study = studied(&Toy, &observed(&plan, [2.0, 0.0], 1));
+    let study = studied(&By(toy), &observed(&plan, [2.0, 0.0], 1));
     let diagnosis = &study.diagnosis;
     assert_eq!(diagnosis.effects, ["bend"], "{}", diagnosis.summary());
     let amplitude = study.after.as_ref().unwrap().effects["bend"];

@@ -29,9 +29,7 @@ pub(super) struct Short {
 
 /// Who does the runs. A run that failed is not tried again in this study.
 pub(super) struct Worker<'a> {
-    /// Where they are kept.
     campaign: &'a Campaign<'a>,
-    /// What is run.
     simulator: &'a dyn Simulator,
     /// Why runs failed, by their requests.
     failed: RefCell<BTreeMap<String, String>>,
@@ -40,7 +38,6 @@ pub(super) struct Worker<'a> {
 }
 
 impl<'a> Worker<'a> {
-    /// Does the runs of a campaign.
     pub(super) fn new(campaign: &'a Campaign<'a>, simulator: &'a dyn Simulator) -> Self {
         Self {
             campaign,
@@ -132,7 +129,6 @@ impl Short {
     }
 }
 
-/// What tells a request from others.
 fn name(request: &RunRequest) -> String {
     // Values of one name each: maps of text and numbers have a form in JSON.
     serde_json::to_string(request).unwrap_or_else(|_| request.to_string())

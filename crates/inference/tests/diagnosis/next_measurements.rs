@@ -10,13 +10,10 @@ use probability::random_stream::Stream;
 const DRAWS: usize = 2000;
 /// Speeds and observables of a drawn campaign.
 const SPEEDS: usize = 7;
-/// Observables.
 const OBSERVABLES: usize = 2;
-/// Declared parameters.
 const PARAMETERS: usize = 2;
 /// Effects: the hidden one, its twin, and others.
 const EFFECTS: usize = 5;
-/// Measurements on offer.
 const OFFERED: usize = 6;
 /// Strength of the hidden effect, in standard errors of its amplitude.
 const STRENGTH: f64 = 8.0;
@@ -113,12 +110,10 @@ fn diagnosed(file: ProblemFile, options: &Options) -> Diagnosis {
     diagnose(&Problem::try_from(file).unwrap(), options).unwrap()
 }
 
-/// Name of an effect.
 fn name(j: usize) -> String {
     format!("E{j}")
 }
 
-/// Name of a measurement on offer.
 fn offer_name(i: usize) -> String {
     format!("offer {i}")
 }
@@ -132,7 +127,6 @@ struct Slopes {
     library: Vec<Vec<f64>>,
 }
 
-/// A measurement on offer.
 #[derive(Debug, Clone)]
 struct Offered {
     /// Its true sensitivities.
@@ -148,7 +142,6 @@ struct Offered {
 struct Drawn {
     /// Sensitivities at the speeds.
     slopes: Slopes,
-    /// Measurements on offer.
     offered: Vec<Offered>,
 }
 

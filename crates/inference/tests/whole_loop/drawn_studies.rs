@@ -68,12 +68,8 @@ impl Simulator for Kind {
         let noise = correlated(&mut stream, experiment.observables.len());
         let mut outcome = RunOutcome::default();
         for (observable, noise) in experiment.observables.iter().zip(noise) {
-            let observation = Observation {
-                mean: (observable.shows)(&at) + observable.run * noise,
-                sd: None,
-                n: 1,
-                unit: "1".into(),
-            };
+            let observation =
+                Observation::of_one((observable.shows)(&at) + observable.run * noise, "1");
             outcome = outcome.with_observable(observable.name, observation);
         }
         Ok(outcome)

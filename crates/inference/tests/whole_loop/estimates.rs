@@ -1,6 +1,6 @@
 //! Estimates, intervals and what the data leave open.
 
-use super::toy::{Law, Shown, Toy, measured, model, parameter, problem, run, shown, value};
+use super::toy::{Law, Shown, Toy, measured, model, of_y, parameter, problem, run, shown, value};
 use inference::{Correlation, LoopSettings, Measurement, Prior, Role};
 
 /// y = 2 a without noise, measured 1.2 +- 0.1 (ten values): a = 0.6, se = 0.1 / sqrt(10) / 2, and the interval is
@@ -11,11 +11,7 @@ fn a_line_through_one_measurement_has_the_estimate_and_the_interval_of_the_hand(
         law: |_, p| shown("y", 2.0 * p("a")),
         noise: 0.0,
     };
-    let problem = problem(
-        vec![parameter("a", [0.0, 1.0])],
-        vec![model("m", &[0])],
-        vec![measured(0, "y", Role::Fit, (1.2, 0.1))],
-    );
+    let problem = of_y("a", &[("m", Role::Fit, (1.2, 0.1))]);
     let result = run(&toy, &problem).unwrap();
     let a = &result.parameters[0];
     let se = 0.1 / 10_f64.sqrt() / 2.0;
@@ -173,11 +169,7 @@ fn a_sum_alone_leaves_the_difference_open() {
         law: |_, p| shown("y", p("a") + p("b")),
         noise: 0.0,
     };
-    let problem = problem(
-        vec![parameter("a", [0.0, 1.0]), parameter("b", [0.0, 1.0])],
-        vec![model("m", &[0, 1])],
-        vec![measured(0, "y", Role::Fit, (1.0, 0.05))],
-    );
+    let problem = of_y("ab", &[("m", Role::Fit, (1.0, 0.05))]);
     let result = run(&toy, &problem).unwrap();
     assert!((value(&result, "a") + value(&result, "b") - 1.0).abs() < 1e-6);
     let open = &result.open_combinations;
@@ -278,11 +270,7 @@ fn two_separate_solutions_are_both_told() {
         law: |_, p| shown("y", (p("a") - 0.5).powi(2)),
         noise: 0.0,
     };
-    let problem = problem(
-        vec![parameter("a", [0.0, 1.0])],
-        vec![model("m", &[0])],
-        vec![measured(0, "y", Role::Fit, (0.09, 0.01))],
-    );
+    let problem = of_y("a", &[("m", Role::Fit, (0.09, 0.01))]);
     let result = run(&toy, &problem).unwrap();
     let mut separate: Vec<f64> = result.solutions.separate.iter().map(|s| s[0]).collect();
     separate.sort_by(f64::total_cmp);
@@ -381,12 +369,11 @@ fn a_check_that_open_parameters_make_vague_is_told_as_such() {
         },
         noise: 0.01,
     };
-    let problem = problem(
-        vec![parameter("a", [0.0, 1.0]), parameter("b", [0.0, 1.0])],
-        vec![model("fit", &[0, 1]), model("kept", &[0, 1])],
-        vec![
-            measured(0, "y", Role::Fit, (1.0, 0.05)),
-            measured(1, "y", Role::Check, (0.4, 0.05)),
+    let problem = of_y(
+        "ab",
+        &[
+            ("fit", Role::Fit, (1.0, 0.05)),
+            ("kept", Role::Check, (0.4, 0.05)),
         ],
     );
     let result = run(&toy, &problem).unwrap();
@@ -446,12 +433,11 @@ fn a_check_of_two_runs_that_scatter_is_told_as_such() {
         },
         noise: 0.001,
     };
-    let problem = problem(
-        vec![parameter("a", [0.0, 1.0])],
-        vec![model("fit", &[0]), model("kept", &[0])],
-        vec![
-            measured(0, "y", Role::Fit, (1.2, 0.005)),
-            measured(1, "y", Role::Check, (1.5, 0.05)),
+    let problem = of_y(
+        "a",
+        &[
+            ("fit", Role::Fit, (1.2, 0.005)),
+            ("kept", Role::Check, (1.5, 0.05)),
         ],
     );
     let settings = LoopSettings {

@@ -9,7 +9,6 @@ use inference::{
     Parameter, Prior, ResidualStudy, Role, calibrate,
 };
 use probability::random_stream::Stream;
-use std::collections::BTreeMap;
 
 /// Seeds that are dropped on three plates: the rebound falls to 0.3 with the restitution put in and not further, unless the whole seed
 /// damps. The plate of seeds gives way, the others cannot.
@@ -35,12 +34,7 @@ impl Simulator for Drops {
         };
         let mean = rebound * (1.0 - 0.55 * request.effect("damping"));
         let mut stream = Stream::new(request.seed, &format!("noise of {request}"));
-        let observation = Observation {
-            mean: mean + 0.003 * stream.normal(),
-            sd: None,
-            n: 1,
-            unit: "1".into(),
-        };
+        let observation = Observation::of_one(mean + 0.003 * stream.normal(), "1");
         Ok(RunOutcome::default().with_observable("rebound", observation))
     }
 }
@@ -74,7 +68,7 @@ fn drops(on_glass: Option<f64>) -> CalibrationProblem {
         name: "damping".into(),
         probe: 0.5,
         range: [0.0, 1.0],
-        absent: BTreeMap::new(),
+        ..EffectProbe::default()
     };
     CalibrationProblem {
         effects: vec![effect],

@@ -1,6 +1,8 @@
 //! Measurements out of reach of the first box.
 
-use super::toy::{Shown, Toy, measured, model, parameter, problem, run, run_with, shown, value};
+use super::toy::{
+    Shown, Toy, measured, model, of_y, parameter, problem, run, run_with, shown, value,
+};
 use inference::{LoopSettings, Role};
 
 /// y = 2 a, measured 3.0: a = 1.5 lies above the first box 0 to 0.5, inside the limits 0 to 2. And below it, from the box
@@ -176,12 +178,11 @@ fn two_states_have_no_mean() {
         },
         noise: 0.01,
     };
-    let problem = problem(
-        vec![parameter("a", [0.0, 1.0])],
-        vec![model("fit", &[0]), model("kept", &[0])],
-        vec![
-            measured(0, "y", Role::Fit, (1.2, 0.05)),
-            measured(1, "y", Role::Check, (1.8, 0.05)),
+    let problem = of_y(
+        "a",
+        &[
+            ("fit", Role::Fit, (1.2, 0.05)),
+            ("kept", Role::Check, (1.8, 0.05)),
         ],
     );
     let result = run(&toy, &problem).unwrap();

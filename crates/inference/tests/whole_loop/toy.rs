@@ -50,12 +50,7 @@ impl Simulator for Toy {
         let mut stream = Stream::new(request.seed, &format!("noise of {request}"));
         let mut outcome = RunOutcome::default();
         for (name, value) in shown.values {
-            let observation = Observation {
-                mean: value + self.noise * stream.normal(),
-                sd: None,
-                n: 1,
-                unit: "1".into(),
-            };
+            let observation = Observation::of_one(value + self.noise * stream.normal(), "1");
             outcome = outcome.with_observable(name, observation);
         }
         if !shown.regime.is_empty() {
@@ -68,15 +63,9 @@ impl Simulator for Toy {
 /// A parameter with limits as wide as its range.
 pub(crate) fn parameter(symbol: &str, range: [f64; 2]) -> Parameter {
     Parameter {
-        symbol: symbol.into(),
         name: format!("parameter {symbol}"),
-        unit: "1".into(),
         sets: vec![symbol.into()],
-        range,
-        limits: range,
-        start: 0.5 * (range[0] + range[1]),
-        prior: None,
-        is_input: false,
+        ..Parameter::new(symbol, range)
     }
 }
 
@@ -118,11 +107,21 @@ pub(crate) fn problem(
         parameters,
         models,
         measurements,
-        correlations: Vec::new(),
-        effects: Vec::new(),
-        candidates: Vec::new(),
-        coarse_graining: None,
+        ..CalibrationProblem::default()
     }
+}
+
+/// A problem of parameters from 0 to 1, one letter each, on which every model depends, with one measured y of each model.
+pub(crate) fn of_y(symbols: &str, rows: &[(&str, Role, (f64, f64))]) -> CalibrationProblem {
+    let symbols: Vec<String> = symbols.chars().map(String::from).collect();
+    let all: Vec<usize> = (0..symbols.len()).collect();
+    let each = rows.iter().enumerate();
+    problem(
+        symbols.iter().map(|s| parameter(s, [0.0, 1.0])).collect(),
+        rows.iter().map(|(name, ..)| model(name, &all)).collect(),
+        each.map(|(i, (_, role, y))| measured(i, "y", *role, *y))
+            .collect(),
+    )
 }
 
 /// The loop with the usual settings.

@@ -1,7 +1,7 @@
 //! What is invalid, and what goes wrong on the way.
 
 use super::toy::{
-    Law, Toy, measured, model, parameter, problem, run, run_with, settings_of, shown, value,
+    Law, Toy, measured, model, of_y, parameter, problem, run, run_with, settings_of, shown, value,
 };
 use inference::{LoopSettings, Role, planned};
 
@@ -17,11 +17,7 @@ fn a_run_that_fails_costs_its_own_point() {
         },
         noise: 0.01,
     };
-    let problem = problem(
-        vec![parameter("a", [0.0, 1.0])],
-        vec![model("m", &[0])],
-        vec![measured(0, "y", Role::Fit, (1.0, 0.05))],
-    );
+    let problem = of_y("a", &[("m", Role::Fit, (1.0, 0.05))]);
     let result = run(&toy, &problem).unwrap();
     assert!(result.met, "{}", result.verdict);
     assert!((value(&result, "a") - 0.5).abs() < 0.03);
@@ -75,11 +71,7 @@ fn a_model_that_never_runs_is_an_error_with_its_reason() {
         law: |_, _| Err("the drum is empty".into()),
         noise: 0.0,
     };
-    let problem = problem(
-        vec![parameter("a", [0.0, 1.0])],
-        vec![model("m", &[0])],
-        vec![measured(0, "y", Role::Fit, (1.0, 0.05))],
-    );
+    let problem = of_y("a", &[("m", Role::Fit, (1.0, 0.05))]);
     let error = run(&toy, &problem).unwrap_err().to_string();
     assert!(
         error.contains("all 2 runs") && error.contains("the drum is empty"),
@@ -108,12 +100,11 @@ fn a_check_whose_runs_fail_is_not_met_and_says_why() {
         },
         noise: 0.01,
     };
-    let problem = problem(
-        vec![parameter("a", [0.0, 1.0])],
-        vec![model("fit", &[0]), model("kept", &[0])],
-        vec![
-            measured(0, "y", Role::Fit, (1.2, 0.05)),
-            measured(1, "y", Role::Check, (1.2, 0.05)),
+    let problem = of_y(
+        "a",
+        &[
+            ("fit", Role::Fit, (1.2, 0.05)),
+            ("kept", Role::Check, (1.2, 0.05)),
         ],
     );
     let result = run(&toy, &problem).unwrap();
@@ -136,15 +127,12 @@ fn an_experiment_that_never_runs_costs_itself_and_not_the_study() {
         },
         noise: 0.01,
     };
-    let problem = problem(
-        vec![parameter("a", [0.0, 1.0])],
-        ["fit", "other", "drop"]
-            .map(|name| model(name, &[0]))
-            .into(),
-        vec![
-            measured(0, "y", Role::Fit, (1.2, 0.05)),
-            measured(1, "y", Role::Fit, (1.8, 0.05)),
-            measured(2, "y", Role::Fit, (0.1, 0.05)),
+    let problem = of_y(
+        "a",
+        &[
+            ("fit", Role::Fit, (1.2, 0.05)),
+            ("other", Role::Fit, (1.8, 0.05)),
+            ("drop", Role::Fit, (0.1, 0.05)),
         ],
     );
     let result = run(&toy, &problem).unwrap();
@@ -173,16 +161,13 @@ fn a_simulator_that_does_not_respond_is_not_met() {
         law: |model, _| shown("y", if model == "one" { 0.3 } else { 0.5 }),
         noise: 0.02,
     };
-    let problem = problem(
-        vec![parameter("a", [0.0, 1.0]), parameter("b", [0.0, 1.0])],
-        ["one", "two", "three", "kept"]
-            .map(|name| model(name, &[0, 1]))
-            .into(),
-        vec![
-            measured(0, "y", Role::Fit, (0.3, 0.1)),
-            measured(1, "y", Role::Fit, (0.5, 0.1)),
-            measured(2, "y", Role::Fit, (0.5, 0.1)),
-            measured(3, "y", Role::Check, (0.5, 0.1)),
+    let problem = of_y(
+        "ab",
+        &[
+            ("one", Role::Fit, (0.3, 0.1)),
+            ("two", Role::Fit, (0.5, 0.1)),
+            ("three", Role::Fit, (0.5, 0.1)),
+            ("kept", Role::Check, (0.5, 0.1)),
         ],
     );
     let result = run(&toy, &problem).unwrap();
@@ -198,12 +183,11 @@ fn fewer_values_than_parameters_are_not_met() {
         law: |_, p| shown("y", p("a") + p("b")),
         noise: 0.01,
     };
-    let problem = problem(
-        vec![parameter("a", [0.0, 1.0]), parameter("b", [0.0, 1.0])],
-        vec![model("m", &[0, 1]), model("kept", &[0, 1])],
-        vec![
-            measured(0, "y", Role::Fit, (1.0, 0.1)),
-            measured(1, "y", Role::Check, (1.0, 0.1)),
+    let problem = of_y(
+        "ab",
+        &[
+            ("m", Role::Fit, (1.0, 0.1)),
+            ("kept", Role::Check, (1.0, 0.1)),
         ],
     );
     let result = run(&toy, &problem).unwrap();
@@ -239,12 +223,11 @@ fn measurements_that_contradict_each_other_are_not_met() {
         law: |_, p| shown("y", p("a")),
         noise: 0.001,
     };
-    let problem = problem(
-        vec![parameter("a", [0.0, 1.0])],
-        vec![model("one", &[0]), model("other", &[0])],
-        vec![
-            measured(0, "y", Role::Fit, (0.3, 0.03)),
-            measured(1, "y", Role::Fit, (0.7, 0.03)),
+    let problem = of_y(
+        "a",
+        &[
+            ("one", Role::Fit, (0.3, 0.03)),
+            ("other", Role::Fit, (0.7, 0.03)),
         ],
     );
     let result = run(&toy, &problem).unwrap();
@@ -334,12 +317,11 @@ fn the_plan_has_the_runs_of_the_loop() {
         // A fiftieth of the error of a measurement: what a surface misses does not matter.
         noise: 3e-4,
     };
-    let problem = problem(
-        vec![parameter("a", [0.0, 1.0])],
-        vec![model("fit", &[0]), model("kept", &[0])],
-        vec![
-            measured(0, "y", Role::Fit, (1.2, 0.05)),
-            measured(1, "y", Role::Check, (1.2, 0.05)),
+    let problem = of_y(
+        "a",
+        &[
+            ("fit", Role::Fit, (1.2, 0.05)),
+            ("kept", Role::Check, (1.2, 0.05)),
         ],
     );
     let plan = planned(&problem, &LoopSettings::default()).unwrap();
@@ -357,11 +339,7 @@ fn the_plan_has_the_runs_of_the_loop() {
 /// nothing does although their surface does, by two standard errors. A run scatters by 0.08.
 fn ends(law: Law) -> (usize, usize) {
     let toy = Toy { law, noise: 0.08 };
-    let problem = problem(
-        vec![parameter("a", [0.0, 1.0])],
-        vec![model("m", &[0])],
-        vec![measured(0, "y", Role::Fit, (0.7, 0.06))],
-    );
+    let problem = of_y("a", &[("m", Role::Fit, (0.7, 0.06))]);
     let error = 0.06 / 10_f64.sqrt();
     let (mut not_met, mut wrong) = (0, 0);
     for seed in 0..100 {

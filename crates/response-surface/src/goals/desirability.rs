@@ -298,7 +298,6 @@ impl<'a> Wanted<'a> {
 
 /// What hands scatter on to a response.
 struct Transmitted {
-    /// The surface.
     surface: Quadratic,
     /// Variances of the factors, coded.
     variances: Vec<f64>,

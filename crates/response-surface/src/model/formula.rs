@@ -71,7 +71,6 @@ struct Reader<'a> {
 
 /// What a part of a formula stands for.
 struct Part {
-    /// Its terms.
     terms: Vec<Term>,
     /// Whether it is one term as written, so that the same one a second time is a slip.
     is_plain: bool,
@@ -103,7 +102,6 @@ impl Reader<'_> {
         })
     }
 
-    /// The error of a part.
     fn not_a_term(&self, part: &str) -> Error {
         Error::BadTerm {
             part: part.to_owned(),

@@ -39,7 +39,6 @@ pub struct GivenOthers {
 /// What decides whether a point belongs to the region.
 #[derive(Debug)]
 pub(crate) struct Membership<'a> {
-    /// The fit.
     pub(crate) fit: &'a Fit,
     /// Its surface.
     pub(crate) quadratic: &'a Quadratic,
@@ -120,7 +119,6 @@ impl Quartic {
         }
     }
 
-    /// Value at x.
     fn value(self, x: f64) -> f64 {
         self.coefficients
             .iter()

@@ -47,7 +47,7 @@ pub(super) fn verdict(report: &mut Report, study: &ResidualStudy) {
 
 /// Declared parameters before and after; nothing where none is declared.
 pub(super) fn parameters(report: &mut Report, study: &ResidualStudy) -> Result<(), report::Error> {
-    if study.plan.declared.is_empty() {
+    if study.plan.parameters.is_empty() {
         return Ok(());
     }
     let models = models(study);
@@ -68,21 +68,21 @@ pub(super) fn parameters(report: &mut Report, study: &ResidualStudy) -> Result<(
     let or_dash = |value: Option<f64>, se| {
         value.map_or_else(|| DASH.to_owned(), |value| with_error(value, se, ""))
     };
-    for d in &study.plan.declared {
-        let fitted = study.fitted.get(&d.name).copied();
-        let result = study.diagnosis.declared.get(&d.name);
+    for d in &study.plan.parameters {
+        let fitted = study.fitted.get(&d.symbol).copied();
+        let result = study.diagnosis.declared.get(&d.symbol);
         let shift = d
             .prior
             .zip(fitted)
-            .map(|([mean, sd], value)| (value - mean) / sd);
+            .map(|(prior, value)| (value - prior.mean) / prior.sd);
         let mut row = vec![
-            d.name.clone(),
+            d.symbol.clone(),
             digits(d.start),
-            digits_or_dash(d.prior.map(|p| p[1])),
+            digits_or_dash(d.prior.map(|p| p.sd)),
             or_dash(fitted, result.and_then(|r| r.se_without)),
             fixed_or_dash(shift, 1),
         ];
-        let of = |values: &BTreeMap<String, f64>| values.get(&d.name).copied();
+        let of = |values: &BTreeMap<String, f64>| values.get(&d.symbol).copied();
         let after = models.iter();
         row.extend(after.map(|(_, m)| or_dash(of(&m.fitted), of(&m.fitted_se))));
         table.row(row)?;

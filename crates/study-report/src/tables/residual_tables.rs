@@ -105,21 +105,21 @@ fn parameters(name: &str, study: &ResidualStudy, units: &[Parameter]) -> CsvTabl
         "retuning_by_diagnosis",
     ];
     let mut table = CsvTable::new(format!("{name}_parameters"), columns);
-    for d in &study.plan.declared {
+    for d in &study.plan.parameters {
         let after = study.after.as_ref();
-        let after = after.and_then(|a| a.fitted.get(&d.name).copied());
-        let unit = units.iter().find(|p| p.symbol == d.name);
+        let after = after.and_then(|a| a.fitted.get(&d.symbol).copied());
+        let unit = units.iter().find(|p| p.symbol == d.symbol);
         table.row([
-            (&d.name).into(),
+            (&d.symbol).into(),
             unit.map_or(Field::Empty, |p| (&p.unit).into()),
             d.start.into(),
-            d.prior.map(|p| p[0]).into(),
-            d.prior.map(|p| p[1]).into(),
-            d.bounds[0].into(),
-            d.bounds[1].into(),
-            study.fitted.get(&d.name).copied().into(),
+            d.prior.map(|p| p.mean).into(),
+            d.prior.map(|p| p.sd).into(),
+            d.limits[0].into(),
+            d.limits[1].into(),
+            study.fitted.get(&d.symbol).copied().into(),
             after.into(),
-            study.diagnosis.retuning.get(&d.name).copied().into(),
+            study.diagnosis.retuning.get(&d.symbol).copied().into(),
         ]);
     }
     table

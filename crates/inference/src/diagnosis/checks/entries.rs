@@ -15,7 +15,6 @@ const MOST: f64 = 1e100;
 /// An eigenvalue of the prior precision above minus this share of the largest counts as 0.
 const PRIOR_TOLERANCE: f64 = 1e-12;
 
-/// Makes a covariance of one of its forms.
 pub(super) fn covariance(
     input: &CovarianceInput,
     key: &str,
@@ -79,7 +78,6 @@ pub(super) fn symmetric(rows: &[Vec<f64>], key: &str, size: usize) -> Result<DMa
     Ok((&matrix + matrix.transpose()) * 0.5)
 }
 
-/// Makes a matrix of rows.
 pub(super) fn matrix(
     rows: &[Vec<f64>],
     key: &str,
@@ -185,7 +183,6 @@ pub(super) fn check_length(
     })
 }
 
-/// Refuses what is not finite.
 pub(super) fn check_finite(value: f64, what: impl Fn() -> String) -> Result<(), Error> {
     if value.abs() <= MOST {
         return Ok(());

@@ -22,7 +22,6 @@ pub(super) struct Likelihood<'a> {
 
 /// What follows from one ratio of the variances.
 pub(super) struct At {
-    /// Coefficients.
     pub(super) coefficients: Vec<f64>,
     /// Variances of the coefficients over that of an observation.
     pub(super) covariance: Vec<f64>,
