@@ -77,7 +77,7 @@ pub use memory_order::SORTED_FROM;
 pub use motion::Progress;
 pub use named_setting::{NamedSetting, SettingKind};
 pub use obstacles::{VibrationSettings, WallSettings};
-pub use parse::{NumberChange, Override, like_names, setting_at};
+pub use parse::{Override, like_names, setting_at};
 pub use phase_times::{PhaseTimes, TimeSpent};
 pub use picture::frame_picture;
 pub use release::read_pile;

@@ -15,6 +15,25 @@ pub struct Override {
     pub value: String,
 }
 
+impl Override {
+    /// The change of a setting to a value.
+    pub fn new(name: &str, value: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            value: value.to_owned(),
+        }
+    }
+
+    /// The change of a setting to a number, with the unit if the setting is a quantity. Every bit of it arrives.
+    pub fn number(name: &str, value: f64, unit: Option<&str>) -> Self {
+        let value = match unit {
+            Some(unit) => format!("{value} {unit}"),
+            None => value.to_string(),
+        };
+        Self::new(name, &value)
+    }
+}
+
 /// Time step of the solver.
 const TIME_STEP: &str = "protocol.time_step";
 
@@ -84,6 +103,8 @@ const COVERS_AT_REST: &str = "apparatus.covers_at_rest";
 
 /// Settings named in a message about a name that is none.
 const LIKE_NAMES: usize = 8;
+/// Of them those with the same last word.
+const OF_ONE_WORD: usize = 3;
 /// How much less like than the best, by Jaro and Winkler, a name may be that is offered beside it.
 const NEARLY_AS_LIKE: f64 = 0.15;
 
@@ -197,57 +218,6 @@ impl Scene {
         }
     }
 
-    /// The scene with numbers changed.
-    ///
-    /// # Errors
-    ///
-    /// A path at which no number stands, or with a unit no quantity; an invalid value.
-    pub fn with_numbers(&self, changes: &[NumberChange]) -> Result<Self, Error> {
-        let mut table = self.table()?;
-        for change in changes {
-            let path = whole_path(&table, &change.path, &self.file)?;
-            make_room(&mut table, &path);
-            let Some(place) = value_mut(&mut table, &path) else {
-                continue;
-            };
-            let value = change.value;
-            *place = match (&change.unit, &*place) {
-                (Some(unit), Value::String(_)) => Value::String(format!("{value} {unit}")),
-                (None, Value::Float(_)) => Value::Float(value),
-                (None, Value::Integer(_)) => {
-                    #[expect(
-                        clippy::cast_possible_truncation,
-                        reason = "whole, and far below 2^63"
-                    )]
-                    let whole = value as i64;
-                    if value.fract() != 0.0 || value.abs() > 1e15 {
-                        let requirement = "a whole number".into();
-                        return Err(Error::BadValue {
-                            name: format!("{}: {path}", self.file),
-                            value: value.to_string(),
-                            requirement,
-                        });
-                    }
-                    Value::Integer(whole)
-                }
-                (unit, there) => {
-                    let value = unit
-                        .as_ref()
-                        .map_or(value.to_string(), |u| format!("{value} {u}"));
-                    return Err(Error::BadValue {
-                        name: format!("{}: {path}", self.file),
-                        value,
-                        requirement: match unit {
-                            Some(_) => format!("a number without unit: {there} stands there"),
-                            None => format!("a number with its unit: {there} stands there"),
-                        },
-                    });
-                }
-            };
-        }
-        self.changed_to(table)
-    }
-
     /// The scene as a table of values.
     pub(crate) fn table(&self) -> Result<Table, Error> {
         Table::try_from(self).map_err(|e| Error::Text {
@@ -321,17 +291,6 @@ fn name_of(path: &Path) -> String {
 /// Folder to which paths in a file refer.
 fn folder_of(path: &Path) -> PathBuf {
     path.parent().unwrap_or(Path::new("")).to_owned()
-}
-
-/// A number to put at the place of a setting.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NumberChange {
-    /// Dotted path, `contact.seed-seed.static_friction`, or an unambiguous short name.
-    pub path: String,
-    /// The value.
-    pub value: f64,
-    /// Its unit, where a quantity stands there; none where a plain number does.
-    pub unit: Option<String>,
 }
 
 /// Settings that can be set where a scene leaves them out and no default stands there, each with a value of its kind.
@@ -425,10 +384,14 @@ fn apply(table: &mut Table, change: &Override, file: &str) -> Result<(), Error> 
         file: file.into(),
         near: meant(&leaves(table), &change.name),
     };
-    let found = setting_at(table, &path).map(|old| like(old, &text));
-    let Some(value) = found else {
+    let Some(old) = setting_at(table, &path) else {
         return Err(unknown());
     };
+    let value = like(old, &text).map_err(|requirement| Error::BadValue {
+        name: format!("{file}: {path}"),
+        value: text,
+        requirement: requirement.into(),
+    })?;
     if let Some(place) = value_mut(table, &path) {
         *place = value;
     }
@@ -469,44 +432,51 @@ pub(crate) fn whole_path(table: &Table, name: &str, file: &str) -> Result<String
     }
 }
 
-/// The settings whose last word is most like that of a name, eight at most, as a list for a message; of like words the most like
-/// path comes first. Words that are much less like than the best are left out.
+/// The settings whose last word, or a part of it, is most like the last word of a name, as a list for a message: eight at most, and three
+/// with the same last word, the most like path first. Words that are much less like than the best are left out.
 pub fn like_names(all: &[String], name: &str) -> String {
     let last = |path: &str| path.rsplit('.').next().unwrap_or(path).to_owned();
     let wanted = last(name);
     let likeness = |path: &String| {
         let word = last(path);
         let holds = f64::from(u8::from(word.contains(&wanted)));
-        let whole = strsim::jaro_winkler(path, name);
-        (holds + strsim::jaro_winkler(&word, &wanted), whole)
+        let parts = word.split('_').chain([word.as_str()]);
+        let most = parts.fold(0.0, |most: f64, part| {
+            most.max(strsim::jaro_winkler(part, &wanted))
+        });
+        (holds + most, strsim::jaro_winkler(path, name))
     };
     let mut nearest: Vec<_> = all.iter().map(|path| (likeness(path), path)).collect();
     nearest.sort_by(|(a, _), (b, _)| b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1)));
     let best = nearest.first().map_or(0.0, |(likeness, _)| likeness.0);
-    nearest.retain(|(likeness, _)| likeness.0 >= best - NEARLY_AS_LIKE);
-    let names = nearest.into_iter().take(LIKE_NAMES);
-    names
-        .map(|(_, path)| path.clone())
-        .collect::<Vec<_>>()
-        .join(", ")
+    let mut offered: Vec<&str> = Vec::new();
+    for ((likeness, _), path) in nearest {
+        let same = offered.iter().filter(|other| last(other) == last(path));
+        if likeness >= best - NEARLY_AS_LIKE && same.count() < OF_ONE_WORD {
+            offered.push(path);
+        }
+    }
+    offered.truncate(LIKE_NAMES);
+    offered.join(", ")
 }
 
-/// Text as a value of the kind that stands there now.
-fn like(old: &Value, text: &str) -> Value {
+/// Text as a value of the kind that is there now, or what it must be.
+fn like(old: &Value, text: &str) -> Result<Value, &'static str> {
     match old {
-        Value::Integer(_) => text.parse().map_or_else(|_| number(text), Value::Integer),
-        Value::Float(_) => number(text),
+        Value::Integer(_) => text
+            .parse()
+            .map(Value::Integer)
+            .map_err(|_| "a whole number"),
+        Value::Float(_) => text
+            .parse()
+            .map(Value::Float)
+            .map_err(|_| "a number without unit"),
         Value::Boolean(_) => text
             .parse()
-            .map_or_else(|_| Value::String(text.into()), Value::Boolean),
-        _ => Value::String(text.trim_matches('"').into()),
+            .map(Value::Boolean)
+            .map_err(|_| "true or false"),
+        _ => Ok(Value::String(text.trim_matches('"').into())),
     }
-}
-
-/// Text as a number where it is one.
-fn number(text: &str) -> Value {
-    text.parse()
-        .map_or_else(|_| Value::String(text.into()), Value::Float)
 }
 
 /// Dotted paths of all leaves; the items of a list are numbered from 0.

@@ -1,11 +1,11 @@
 //! What could be measured next: the `[[candidate]]` tables, or the conditions that the measured ones suggest.
 
-use crate::document::{Document, below};
-use crate::file::{CandidateEntry, ParameterEntry, StudyFile};
+use crate::document::below;
+use crate::file::{CandidateEntry, StudyFile};
+use crate::measured::Resolved;
 use crate::problem::Problems;
-use crate::scenes::{Models, Scenes, condition_text};
-use inference::{Candidate, Measurement, Model};
-use scene::OBSERVABLES_OF_A_BED;
+use crate::scenes::{Models, Scenes};
+use inference::{Candidate, Measurement};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Most candidates where the file names none: each costs runs.
@@ -24,20 +24,10 @@ pub(crate) struct Offer<'a> {
     pub(crate) entry: Option<&'a CandidateEntry>,
 }
 
-/// What was measured, for the noise of what could be.
-pub(crate) struct Known<'a> {
-    /// The file with its lines.
-    pub(crate) document: &'a Document,
-    /// Its models.
-    pub(crate) models: &'a [Model],
-    /// Its measurements.
-    pub(crate) measurements: &'a [Measurement],
-}
-
 /// The candidates of a study, in the order of the file; suggested ones where it has no such table, none where its list
 /// is empty.
-pub(crate) fn offers(file: &StudyFile) -> Vec<Offer<'_>> {
-    let Some(entries) = &file.candidates else {
+fn offers(file: &StudyFile) -> Vec<Offer<'_>> {
+    let Some(entries) = &file.candidate else {
         return suggested(file);
     };
     let each = entries.iter().map(|entry| Offer {
@@ -53,7 +43,7 @@ pub(crate) fn offers(file: &StudyFile) -> Vec<Offer<'_>> {
 /// Then every scene that is not measured, as it is.
 fn suggested(file: &StudyFile) -> Vec<Offer<'_>> {
     let mut found: Vec<Offer<'_>> = Vec::new();
-    for scene in &file.scenes {
+    for scene in &file.scene {
         let entries: Vec<&BTreeMap<String, String>> = file
             .measured
             .iter()
@@ -130,26 +120,10 @@ fn rounded(x: f64) -> f64 {
 }
 
 impl Offer<'_> {
-    /// In words, for messages.
-    pub(crate) fn words(&self) -> String {
-        if self.condition.is_empty() {
-            return format!("[[candidate]] of '{}'", self.scene);
-        }
-        let condition = condition_text(&self.condition);
-        format!("[[candidate]] of '{}' at {condition}", self.scene)
-    }
-
-    /// Tells what is wrong with the entry of a file; an invalid suggestion is left out without a word.
-    pub(crate) fn refuse(
-        &self,
-        key: &str,
-        problem: &str,
-        document: &Document,
-        problems: &mut Problems,
-    ) {
+    /// Reports what is wrong with the entry of a file; an invalid suggestion is left out without a word.
+    fn refuse(&self, key: &str, problem: impl Into<String>, problems: &mut Problems) {
         if let Some(entry) = self.entry {
-            let path = below(&entry.path, key);
-            problems.add(document.problem(&path, format!("{}:", self.words()), problem));
+            problems.wrong(&below(&entry.path, key), problem);
         }
     }
 
@@ -158,15 +132,15 @@ impl Offer<'_> {
     /// Without a standard deviation of its own an observable has the noise of the same one elsewhere in its scene, or, where
     /// the scene is not measured, in the others: the root mean square of the standard deviations and the harmonic mean of the
     /// numbers of values.
-    pub(crate) fn standard_errors(
+    fn standard_errors(
         &self,
         given: &[&str],
-        known: &Known<'_>,
+        known: &Resolved,
         problems: &mut Problems,
     ) -> BTreeMap<String, f64> {
         let measured_in = |own: bool| -> Vec<&Measurement> {
             let all = known.measurements.iter();
-            all.filter(|m| (known.models[m.model].scene == self.scene) == own)
+            all.filter(|m| (known.models.models[m.model].scene == self.scene) == own)
                 .collect()
         };
         let (own, others) = (measured_in(true), measured_in(false));
@@ -183,11 +157,10 @@ impl Offer<'_> {
         let mut errors = BTreeMap::new();
         for name in names {
             if !given.contains(&name.as_str()) {
-                let problem = format!(
-                    "'{name}' is no observable of this scene, which gives {}",
-                    given.join(", ")
-                );
-                self.refuse("observables", &problem, known.document, problems);
+                let known = given.join(", ");
+                let problem =
+                    format!("'{name}' is not an observable of this scene, which gives {known}");
+                self.refuse("observables", problem, problems);
                 continue;
             }
             let same: Vec<&&Measurement> =
@@ -201,93 +174,73 @@ impl Offer<'_> {
             let n = n.or_else(|| mean(&|m| m.n.recip()).map(f64::recip));
             let Some(sd) = sd else {
                 let problem = format!(
-                    "the noise of '{name}' is not known, for it is measured nowhere: add sd = {{ {name} = ... }}"
+                    "'{name}' is measured nowhere, so that its noise is not known: add sd = {{ {name} = ... }}"
                 );
-                self.refuse("observables", &problem, known.document, problems);
+                self.refuse("observables", problem, problems);
                 continue;
             };
             errors.insert(name, sd / n.unwrap_or(1.0).sqrt());
         }
         if errors.is_empty() {
             let problem = "gives nothing that the study measures: name observables and their sd";
-            self.refuse("scene", problem, known.document, problems);
+            self.refuse("scene", problem, problems);
         }
         errors
     }
 
     /// Work in the laboratory, min.
-    pub(crate) fn minutes(&self) -> f64 {
+    fn minutes(&self) -> f64 {
         self.entry.and_then(|e| e.minutes).unwrap_or(MINUTES)
     }
 }
 
-/// The candidates of a study whose scenes are run here or by LAMMPS or LIGGGHTS, with the models that they are; those that
-/// cannot be built are told where the file names them.
+/// The candidates of a study with the models that they are; those that cannot be run are reported if the file names them.
 pub(crate) fn of_scenes(
     scenes: &Scenes<'_>,
-    file: &StudyFile,
-    known: &Known<'_>,
-    measured: &Models,
+    known: &Resolved,
     problems: &mut Problems,
 ) -> (Vec<Candidate>, Models) {
     let (mut candidates, mut models) = (Vec::new(), Models::default());
-    for offer in offers(file) {
-        let scene = match scenes.under(offer.scene, &offer.condition) {
-            Some(Ok(scene)) => scene,
-            Some(Err(error)) => {
-                offer.refuse("condition", &error.to_string(), known.document, problems);
-                continue;
-            }
-            None => {
-                let names: Vec<&str> = file.scenes.iter().map(|s| s.name.as_str()).collect();
-                if !names.contains(&offer.scene) {
-                    let problem = format!("is of no [[scene]]; there are {}", names.join(", "));
-                    offer.refuse("scene", &problem, known.document, problems);
+    for offer in offers(scenes.file) {
+        let setup = match scenes.setup(offer.scene, &offer.condition) {
+            Ok(setup) => setup,
+            Err(reason) => {
+                if let Some((key, problem)) = reason {
+                    offer.refuse(key, problem, problems);
                 }
                 continue;
             }
         };
-        let measured_there = known.measurements.iter().any(|m| {
-            known.models[m.model].scene == offer.scene && measured.scenes[m.model] == scene
-        });
-        if measured_there {
+        let is_measured = |m: &Measurement| {
+            known.models.models[m.model].scene == offer.scene
+                && known.models.setups[m.model] == setup
+        };
+        if known.measurements.iter().any(is_measured) {
             let problem = "is measured already: raise n there to measure it more often";
-            offer.refuse("condition", problem, known.document, problems);
+            offer.refuse("condition", problem, problems);
             continue;
         }
-        let built = scene
-            .build_check(&scenes.fillings)
-            .map_err(|e| e.to_string());
-        let runs = built.and_then(|()| match scenes.peer {
-            Some(peer) => peer.check(&scene).map_err(|e| e.to_string()),
-            None => Ok(()),
-        });
-        if let Err(reason) = runs {
-            offer.refuse("condition", &reason, known.document, problems);
+        if let Some(reason) = scenes.refusal(&setup) {
+            offer.refuse("condition", reason, problems);
             continue;
         }
-        let mut given = scene.observables();
-        if scenes.peer.is_some() {
-            given.retain(|name| OBSERVABLES_OF_A_BED.contains(name));
-        }
+        let given = scenes.observables(&setup);
         let standard_errors = offer.standard_errors(&given, known, problems);
         if standard_errors.is_empty() {
             continue;
         }
-        let (k, is_new) = models.number_of(offer.scene, &offer.condition, scene);
+        let (k, is_new) = models.number_of(offer.scene, &offer.condition, setup);
         if is_new {
-            let all = file.parameters.iter().enumerate();
-            let depends = |(j, p): (usize, &ParameterEntry)| models.depends_on(k, p).then_some(j);
-            let parameters = all.filter_map(depends).collect();
-            models.models[k].parameters = parameters;
-            candidates.push(Candidate {
-                model: models.models[k].clone(),
-                standard_errors,
-                minutes: offer.minutes(),
-            });
+            candidates.push((k, standard_errors, offer.minutes()));
         }
     }
-    (candidates, models)
+    models.bind(&scenes.file.parameter);
+    let candidate = |(k, standard_errors, minutes): (usize, _, _)| Candidate {
+        model: models.models[k].clone(),
+        standard_errors,
+        minutes,
+    };
+    (candidates.into_iter().map(candidate).collect(), models)
 }
 
 #[cfg(test)]

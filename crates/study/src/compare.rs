@@ -88,7 +88,7 @@ pub(crate) fn resolve(name: &str, problem: &CalibrationProblem) -> Result<Result
             name_of(&m.observable, model)
         });
         format!(
-            "names no result; there are {}; and 'effect of SYMBOL on ...' any of the latter",
+            "not a result; the results are {}; and 'effect of SYMBOL on ...' any of the latter",
             symbols
                 .into_iter()
                 .map(str::to_owned)

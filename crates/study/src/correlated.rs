@@ -1,8 +1,7 @@
 //! Correlations of the means of one measurement, as the file states them and as its photos tell them.
 
-use crate::document::{Document, below};
+use crate::document::below;
 use crate::file::{MeasuredCorrelation, MeasuredEntry};
-use crate::measured::words;
 use crate::photos::PhotoSeries;
 use crate::problem::Problems;
 use inference::{Correlation, Measurement};
@@ -11,7 +10,6 @@ use inference::{Correlation, Measurement};
 ///
 /// A correlation of an observable that the entry does not give is told.
 pub(crate) fn correlations_of(
-    document: &Document,
     entry: &MeasuredEntry,
     series: Option<&PhotoSeries>,
     (model, measurements): (usize, &[Measurement]),
@@ -35,13 +33,11 @@ pub(crate) fn correlations_of(
             continue;
         }
         let missing = if given.contains(&a) { b } else { a };
-        let names: Vec<&str> = given.iter().map(|name| name.as_str()).collect();
-        let what = format!("{}: correlation of {a} and {b}", words(entry));
-        let problem = format!(
-            "'{missing}' is no observable of this [[measured]], which gives {}",
-            names.join(", ")
-        );
-        problems.add(document.problem(&below(&entry.path, "correlation"), what, problem));
+        let given: Vec<&str> = given.iter().map(|name| name.as_str()).collect();
+        let given = given.join(", ");
+        let problem =
+            format!("'{missing}' is not an observable of this [[measured]], which gives {given}");
+        problems.wrong(&below(&entry.path, "correlation"), problem);
     }
     for c in series.into_iter().flat_map(|s| &s.correlations) {
         let (Some(a), Some(b)) = (number(&c.a), number(&c.b)) else {

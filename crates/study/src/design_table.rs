@@ -6,7 +6,6 @@
 mod bind;
 mod cells;
 mod columns;
-mod near;
 mod plan;
 mod results;
 mod rows;

@@ -1,7 +1,8 @@
 //! Effects that the diagnosis may search.
 
+use crate::measured::Resolved;
 use crate::scenes::{Models, Scenes};
-use inference::{EffectProbe, Measurement, Role};
+use inference::{EffectProbe, Role};
 use scene::Scene;
 use simulators::effects::{Effect, apply, find, names};
 use std::collections::BTreeMap;
@@ -18,17 +19,27 @@ pub(crate) struct Searched {
     pub(crate) not_applicable: BTreeMap<String, String>,
 }
 
-/// Finds them, and which models, candidates for the next measurement included, cannot carry each; all of the library where the file names none. Names that the library lacks were refused before.
-pub(crate) fn search(
-    named: Option<&[String]>,
-    models: &Models,
-    measurements: &[Measurement],
-    scenes: &Scenes<'_>,
-    candidates: &Models,
-) -> Searched {
-    let all = named.map_or_else(names, <[String]>::to_vec);
+/// Finds the effects to search, and which models, candidates for the next measurement included, cannot carry each. If the file names
+/// none, it is the whole library, or all effects of a program of the user. Unknown names were refused before.
+pub(crate) fn search(resolved: &Resolved, scenes: &Scenes<'_>, candidates: &Models) -> Searched {
+    let (models, measurements) = (&resolved.models, &resolved.measurements);
+    let named = scenes.file.effects.search.as_ref();
     let mut found = Searched::default();
-    let judged: Vec<usize> = (0..models.scenes.len())
+    if scenes.file.is_of_command() {
+        let wanted = |name| named.is_none_or(|names| names.contains(name));
+        let own = scenes.file.effect.iter().filter(|e| wanted(&e.name));
+        found.probes = own
+            .map(|e| EffectProbe {
+                name: e.name.clone(),
+                probe: e.probe,
+                range: e.range,
+                absent: BTreeMap::new(),
+            })
+            .collect();
+        return found;
+    }
+    let all = named.cloned().unwrap_or_else(names);
+    let judged: Vec<usize> = (0..models.setups.len())
         .filter(|&k| {
             let mut all = measurements.iter();
             all.any(|m| m.model == k && m.role != Role::Show)
@@ -41,25 +52,25 @@ pub(crate) fn search(
             let mut scene = scene.clone();
             match apply(&mut scene, &name, amplitude, &scenes.fillings) {
                 Err(error) => Some(error.to_string()),
-                Ok(()) => Some(scenes.peer?.check(&scene).err()?.to_string()),
+                Ok(()) => Some(scenes.peer()?.check(&scene).err()?.to_string()),
             }
         };
         let refusal = |scene: &Scene| refusal_at(scene, probe);
         let absent_of = |models: &Models, numbers: &[usize]| -> BTreeMap<String, String> {
             let refused = numbers
                 .iter()
-                .filter_map(|&k| Some((k, refusal(&models.scenes[k])?)));
+                .filter_map(|&k| Some((k, refusal(models.setups[k].scene()?)?)));
             refused
                 .map(|(k, reason)| (models.models[k].name.clone(), reason))
                 .collect()
         };
         let mut absent = absent_of(models, &judged);
         if absent.len() < judged.len() {
-            let offered: Vec<usize> = (0..candidates.scenes.len()).collect();
+            let offered: Vec<usize> = (0..candidates.setups.len()).collect();
             let carries = |&&k: &&usize| !absent.contains_key(&models.models[k].name);
             let carrying: Vec<usize> = judged.iter().filter(carries).copied().collect();
             let bears = |amplitude: f64| {
-                let mut scenes = carrying.iter().map(|&k| &models.scenes[k]);
+                let mut scenes = carrying.iter().filter_map(|&k| models.setups[k].scene());
                 scenes.all(|scene| refusal_at(scene, amplitude).is_none())
             };
             let range = range.map(|end| furthest(probe, end, bears));

@@ -67,15 +67,15 @@ pub fn write_hand_over(
     write(&path, parameters.to_toml()?.as_bytes())?;
     let doubts = parameters.doubts();
     let mut written = vec![path];
-    let fillings = FillingLibrary::default();
+    let fillings = &study.fillings;
     for (name, scene) in &study.scenes {
         if !matches!(scene.apparatus, Apparatus::Drum(_)) {
             continue;
         }
         let (scene, _) = parameters.applied(scene)?;
         for (tool, deck) in [
-            ("lammps", lammps_deck(&scene, &fillings, result.seed)),
-            ("liggghts", liggghts_deck(&scene, &fillings, result.seed)),
+            ("lammps", lammps_deck(&scene, fillings, result.seed)),
+            ("liggghts", liggghts_deck(&scene, fillings, result.seed)),
         ] {
             let deck_folder = folder.join("decks").join(name).join(tool);
             match deck {

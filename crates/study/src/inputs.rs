@@ -1,33 +1,33 @@
 //! The files that a study reads, by their SHA-256.
 
 use crate::Error;
-use crate::file::{SimulatorEntry, StudyFile};
-use crate::study::Checked;
+use crate::file::StudyFile;
+use crate::photos::PhotoSeries;
 use command_line::file_sha256;
+use scene::Scene;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// SHA-256 of the study file, its scenes, their meshes, its photos and its template, by path from the folder of the study file: the same
 /// however the path of the study was typed.
-pub(crate) fn of(
+pub(crate) fn of<'s>(
     path: &Path,
     file: &StudyFile,
-    checked: &Checked,
+    scenes: impl Iterator<Item = &'s Scene>,
+    photos: &[PhotoSeries],
 ) -> Result<BTreeMap<String, String>, Error> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut files: BTreeSet<PathBuf> = BTreeSet::from([path.to_owned()]);
-    let of_scenes = file.scenes.iter().filter_map(|s| s.file.as_ref());
+    let of_scenes = file.scene.iter().filter_map(|s| s.file.as_ref());
     files.extend(of_scenes.map(|file| folder.join(file)));
-    for scene in checked.scenes.values().chain(checked.models.values()) {
+    for scene in scenes {
         let meshes = scene.shape_files();
         files.extend(meshes.iter().map(|mesh| scene.folder.join(mesh)));
     }
-    for series in &checked.photos {
+    for series in photos {
         files.extend(series.files.iter().chain(&series.mask).cloned());
     }
-    if let SimulatorEntry::Command(entry) = &file.simulator
-        && let Some(template) = &entry.template
-    {
+    if let Some(template) = &file.simulator.template {
         files.extend(files_in(&folder.join(template))?);
     }
     let mut inputs = BTreeMap::new();

@@ -20,7 +20,6 @@ mod file;
 mod hand_over;
 mod init;
 mod inputs;
-mod keys;
 mod limits;
 mod measured;
 mod next;
@@ -44,14 +43,9 @@ pub use compare::ComparedValue;
 pub use defaults::DefaultUsed;
 pub use design_table::{DesignChoices, DesignPlan, DesignRun, DesignTable};
 pub use error::Error;
-pub use file::{
-    Budget, CandidateEntry, Choices, CoarseGrainingEntry, CommandEntry, CompareEntry, EffectEntry,
-    MeasuredCorrelation, MeasuredEntry, MeasuredValue, ParameterEntry, PeerEntry, PhotoOptions,
-    SceneEntry, SimulatorEntry, StudyFile,
-};
+pub use file::{Budget, CompareEntry, MeasuredCorrelation, MeasuredValue, StudyFile};
 pub use hand_over::{parameter_file, write_hand_over, write_json, write_result};
 pub use init::{Starter, StarterFile};
-pub use keys::keys_of_a_study;
 pub use next::NextRow;
 pub use photos::PhotoSeries;
 pub use price::{Price, StagePrice};

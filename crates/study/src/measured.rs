@@ -1,15 +1,14 @@
 //! The measurements of a study, resolved against its scenes.
 
 use crate::correlated::correlations_of;
-use crate::document::{Document, below};
+use crate::document::below;
 use crate::file::{MeasuredEntry, MeasuredValue};
 use crate::photo_values::{FILL, shown_fill};
 use crate::photos::{self, PhotoSeries, Shown};
 use crate::problem::Problems;
-use crate::scenes::{Models, Scenes, condition_text};
+use crate::scenes::{Models, Scenes, Setup, model_name};
 use inference::{Correlation, Measurement, Role};
 use input::quantity::significant;
-use scene::OBSERVABLES_OF_A_BED;
 use scene::{Apparatus, Scene};
 use std::path::Path;
 
@@ -22,59 +21,24 @@ const PACKINGS: [f64; 2] = [0.3, 0.85];
 pub(crate) struct Resolved {
     /// In the order of the file.
     pub(crate) measurements: Vec<Measurement>,
-    /// Which of them are correlated.
     pub(crate) correlations: Vec<Correlation>,
-    /// What they are measured on.
+    /// What is measured.
     pub(crate) models: Models,
     /// Photos that were read.
     pub(crate) photos: Vec<PhotoSeries>,
-    /// Place in the file of each measurement.
-    places: Known,
-}
-
-/// Place in the file of each measurement so far.
-pub(crate) type Known = Vec<String>;
-
-/// An entry in words.
-pub(crate) fn words(entry: &MeasuredEntry) -> String {
-    if entry.condition.is_empty() {
-        return format!("[[measured]] of '{}'", entry.scene);
-    }
-    let condition = condition_text(&entry.condition);
-    format!("[[measured]] of '{}' at {condition}", entry.scene)
+    /// Path in the file of each measurement.
+    places: Vec<String>,
 }
 
 impl Resolved {
     /// Resolves all entries.
-    pub(crate) fn all(
-        scenes: &Scenes<'_>,
-        entries: &[MeasuredEntry],
-        folder: &Path,
-        known_scenes: &[&str],
-        problems: &mut Problems,
-    ) -> Self {
+    pub(crate) fn all(scenes: &Scenes<'_>, folder: &Path, problems: &mut Problems) -> Self {
         let mut resolved = Self::default();
-        for entry in entries {
-            let document = scenes.document;
-            if !known_scenes.contains(&entry.scene.as_str()) {
-                let path = below(&entry.path, "scene");
-                let problem = format!(
-                    "is the name of no [[scene]]; there are {}",
-                    known_scenes.join(", ")
-                );
-                let what = format!("[[measured]]: scene = '{}'", entry.scene);
-                problems.add(document.problem(&path, what, problem));
-                continue;
-            }
-            match scenes.under(&entry.scene, &entry.condition) {
-                Some(Ok(scene)) => resolved.add(scenes, entry, scene, folder, problems),
-                Some(Err(error)) => {
-                    let path = below(&entry.path, "condition");
-                    let what = format!("{}: the condition cannot be set:", words(entry));
-                    problems.add(document.problem(&path, what, error.to_string()));
-                }
-                // The scene itself was refused.
-                None => {}
+        for entry in &scenes.file.measured {
+            match scenes.setup(&entry.scene, &entry.condition) {
+                Ok(setup) => resolved.add(scenes, entry, setup, folder, problems),
+                Err(Some((key, problem))) => problems.wrong(&below(&entry.path, key), problem),
+                Err(None) => {}
             }
         }
         resolved
@@ -85,50 +49,33 @@ impl Resolved {
         &mut self,
         scenes: &Scenes<'_>,
         entry: &MeasuredEntry,
-        scene: Scene,
+        setup: Setup,
         folder: &Path,
         problems: &mut Problems,
     ) {
-        let document = scenes.document;
-        let mut observables = scene.observables();
-        if scenes.peer.is_some() {
-            observables.retain(|name| OBSERVABLES_OF_A_BED.contains(name));
-        }
+        let observables = scenes.observables(&setup);
         let mut values: Vec<(String, MeasuredValue)> = Vec::new();
         for (name, value) in &entry.values {
             if observables.contains(&name.as_str()) {
                 values.push((name.clone(), *value));
-            } else if !observables.is_empty() {
-                // Where a code shows nothing of an apparatus, that it does not take it is told below.
-                let what = format!("{}: '{name}'", words(entry));
-                let problem = format!(
-                    "is neither a key of [[measured]] ({}) nor an observable of this scene, which gives {}",
-                    crate::keys::MEASURED.join(", "),
-                    observables.join(", ")
-                );
-                problems.add(document.problem(&below(&entry.path, name), what, problem));
+            } else if !observables.is_empty() || setup.scene().is_none() {
+                // That a code does not take an apparatus, and so shows nothing of it, is reported below.
+                let known = observables.join(", ");
+                let problem = format!("not an observable of this scene, which gives {known}");
+                problems.wrong(&below(&entry.path, name), problem);
             }
         }
-        let shown = Shown {
-            heap: matches!(scene.apparatus, Apparatus::Heap(_)),
-            radius: Some(scene.apparatus.radius()),
-            observables: &observables,
-        };
-        let mut series = read_photos(document, entry, folder, shown, problems);
+        let shown = setup.shown(&observables);
+        let mut series = read_photos(entry, folder, shown, problems);
         let taken = series.iter().flat_map(|s| &s.values);
         values.extend(taken.map(|(name, value)| (name.clone(), *value)));
-        let (model, is_new) = self.models.number_of(&entry.scene, &entry.condition, scene);
-        let built = &self.models.scenes[model];
-        if let Some(series) = &mut series {
-            series.remarks.extend(impossible_fill(built, series));
+        let (model, is_new) = self.models.number_of(&entry.scene, &entry.condition, setup);
+        let setup = &self.models.setups[model];
+        if let (Some(series), Some(scene)) = (&mut series, setup.scene()) {
+            series.remarks.extend(impossible_fill(scene, series));
         }
-        if is_new && let Err(error) = built.build_check(&scenes.fillings) {
-            let what = format!("{}: the scene cannot be built:", words(entry));
-            problems.add(document.problem(&entry.path, what, error.to_string()));
-        }
-        if is_new && let Some(Err(error)) = scenes.peer.map(|peer| peer.check(built)) {
-            let what = format!("{}:", words(entry));
-            problems.add(document.problem(&entry.path, what, error.to_string()));
+        if is_new && let Some(reason) = scenes.refusal(setup) {
+            problems.wrong(&entry.path, reason);
         }
         let values = values.into_iter().map(|value| (value, entry.role));
         let fill = shown_fill(series.as_ref(), entry).map(|value| (value, Role::Show));
@@ -141,13 +88,32 @@ impl Resolved {
                 sd,
                 n,
             };
-            let all = (&mut self.measurements, &mut self.places);
-            push(document, entry, measurement, all, problems);
+            self.push(entry, measurement, problems);
         }
         let of_model = (model, &self.measurements[..]);
-        let found = correlations_of(document, entry, series.as_ref(), of_model, problems);
+        let found = correlations_of(entry, series.as_ref(), of_model, problems);
         self.correlations.extend(found);
         self.photos.extend(series);
+    }
+
+    /// Adds a measurement, unless it is there already.
+    fn push(&mut self, entry: &MeasuredEntry, new: Measurement, problems: &mut Problems) {
+        let place = below(&entry.path, &new.observable);
+        let same = |m: &Measurement| m.model == new.model && m.observable == new.observable;
+        if let Some(known) = self.measurements.iter().position(same) {
+            let line = problems.document.line(&self.places[known]);
+            let line = line.map_or_else(String::new, |line| format!(" in line {line}"));
+            let problem = if self.measurements[known].role == new.role {
+                format!("the same as{line}: give each measurement once")
+            } else {
+                format!(
+                    "has another role{line}: what checks a fit cannot be part of it; give it one role only"
+                )
+            };
+            return problems.wrong(&place, problem);
+        }
+        self.measurements.push(new);
+        self.places.push(place);
     }
 }
 
@@ -170,10 +136,8 @@ fn impossible_fill(scene: &Scene, series: &PhotoSeries) -> Option<String> {
     })
 }
 
-/// The photos of a measurement in a folder; none where it has none, or they cannot be read, which is
-/// told.
-pub(crate) fn read_photos(
-    document: &Document,
+/// The photos of a measurement; `None` if it has none, or they cannot be read, which is reported.
+fn read_photos(
     entry: &MeasuredEntry,
     folder: &Path,
     shown: Shown<'_>,
@@ -184,47 +148,18 @@ pub(crate) fn read_photos(
     }
     match photos::read(folder, &entry.photos, &entry.photo, shown) {
         Ok(mut series) => {
+            let model = model_name(&entry.scene, &entry.condition);
             for told in &mut series.left_out {
-                *told = format!("{}: {told}", words(entry));
+                *told = format!("{model}: {told}");
             }
             Some(series)
         }
         Err(reasons) => {
             let path = below(&entry.path, "photos");
             for reason in reasons {
-                let what = format!("{}: photos:", words(entry));
-                problems.add(document.problem(&path, what, reason));
+                problems.wrong(&path, reason);
             }
             None
         }
     }
-}
-
-/// Adds a measurement to those before it, or tells that it stands there already.
-pub(crate) fn push(
-    document: &Document,
-    entry: &MeasuredEntry,
-    new: Measurement,
-    (measurements, places): (&mut Vec<Measurement>, &mut Known),
-    problems: &mut Problems,
-) {
-    let place = below(&entry.path, &new.observable);
-    let mut all = measurements.iter();
-    let known = all.position(|m| m.model == new.model && m.observable == new.observable);
-    if let Some(known) = known {
-        let (other, line) = (&measurements[known], document.line(&places[known]));
-        let line = line.map_or_else(String::new, |line| format!(" in line {line}"));
-        let problem = if other.role == new.role {
-            format!("stands there{line} already: give each measurement once")
-        } else {
-            format!(
-                "has another role{line}: what checks a fit cannot be part of it; give it one role only"
-            )
-        };
-        let what = format!("{}: '{}'", words(entry), new.observable);
-        problems.add(document.problem(&place, what, problem));
-        return;
-    }
-    measurements.push(new);
-    places.push(place);
 }

@@ -4,9 +4,11 @@ use crate::file::{MeasuredCorrelation, MeasuredValue, PhotoOptions};
 use crate::photo_values::{SPEED, Wanted, take_over};
 use campaign::in_full;
 use command_line::file_sha256;
+use input::quantity::{Angle, Time};
 use photo_profile::{
     DrumPixels, MAX_ANGLE_ERROR, Mask, Mode, PhotoPixels, PhotoReading, PictureFiles, PixelPoint,
-    Posture, Settings, measure_photo, one_of, read_frames, rectify, sideways, surface_shift,
+    PixelRegion, Posture, Settings, measure_photo, one_of, read_frames, rectify, sideways,
+    surface_shift,
 };
 use rayon::prelude::*;
 use serde::Serialize;
@@ -132,7 +134,7 @@ pub(crate) fn read(
     let mask =
         mask.map_err(|e| vec![format!("have a mask that cannot be read: {}", in_full(&e))])?;
     let reader = Reader::new(options, shown, mask.as_ref()).read_files(&files, in_file);
-    if options.pair_interval_s.is_some() && !reader.found.pictures.is_multiple_of(2) {
+    if options.pair_interval.is_some() && !reader.found.pictures.is_multiple_of(2) {
         return Err(vec![format!(
             "are {} pictures, and photo.pair_interval says that they come in pairs: add or take out one, or leave it out",
             reader.found.pictures
@@ -174,8 +176,8 @@ pub(crate) fn read(
         also: &options.also,
         leave_out: &options.leave_out,
         interval: options
-            .frame_interval_s
-            .map(|interval| interval * every.get() as f64),
+            .frame_interval
+            .map(|interval| interval.si() * every.get() as f64),
     };
     if let Err(reason) = take_over(&frames, (&speeds, lost.len()), wanted, &mut series) {
         let mut reasons = named(&unread, NAMED_IN_REFUSAL);
@@ -244,22 +246,31 @@ impl<'a> Reader<'a> {
     fn new(options: &'a PhotoOptions, shown: Shown<'_>, mask: Option<&'a Mask>) -> Self {
         let asked = shown.observables.contains(&SPEED);
         let every = options.every.map_or(1, NonZeroUsize::get) as f64;
-        let frames = options.frame_interval_s.map(|interval| interval * every);
-        let between = options.pair_interval_s.or(frames);
+        let frames = options.frame_interval.map(|interval| interval.si() * every);
+        let between = options.pair_interval.map(Time::si).or(frames);
+        // A mark that shows no horizontal was refused before.
+        let (camera_roll, camera_roll_error) = options.roll_rad().unwrap_or_default();
         let scale = between.and_then(|time| Some(shown.radius? / time));
         Self {
             options,
             mask,
             settings: Settings {
-                region: options.region,
+                region: options
+                    .region
+                    .map(|[left, top, width, height]| PixelRegion {
+                        left,
+                        top,
+                        width,
+                        height,
+                    }),
                 drum: options.drum.map(|[cx, cy, r]| DrumPixels { cx, cy, r }),
-                camera_roll: options.roll_rad,
-                camera_roll_error: options.roll_error_rad,
+                camera_roll,
+                camera_roll_error,
                 definition: Definition::Line,
                 mode: if shown.heap { Mode::Heap } else { Mode::Drum },
                 foreground: options.foreground,
-                max_angle_error: options.max_angle_error_rad.unwrap_or(MAX_ANGLE_ERROR),
-                camera_elevation: options.elevation_rad,
+                max_angle_error: options.max_angle_error.map_or(MAX_ANGLE_ERROR, Angle::si),
+                camera_elevation: options.elevation.map(Angle::si),
             },
             speed_scale: scale.filter(|_| asked && !shown.heap),
             found: Found::default(),
@@ -268,7 +279,7 @@ impl<'a> Reader<'a> {
 
     /// Reads one of so many pictures of each file, on all cores where no picture is compared with the one before it.
     fn read_files(mut self, files: &[PathBuf], every: usize) -> Self {
-        if self.speed_scale.is_some() || self.options.pair_interval_s.is_some() {
+        if self.speed_scale.is_some() || self.options.pair_interval.is_some() {
             for file in files {
                 self.read_file(file, every);
             }
@@ -323,7 +334,7 @@ impl<'a> Reader<'a> {
     fn end_picture(&mut self, file: &Path, read: Result<Option<FrameValues>, String>) {
         self.found.pictures += 1;
         let is_second =
-            self.options.pair_interval_s.is_some() && self.found.pictures.is_multiple_of(2);
+            self.options.pair_interval.is_some() && self.found.pictures.is_multiple_of(2);
         match read {
             Ok(_) if is_second => {}
             Ok(values) => self.found.frames.push(values),
@@ -350,7 +361,7 @@ impl<'a> Reader<'a> {
             pixels = pixels.hiding(mask).map_err(|e| refused(&e))?;
         }
         self.add_speed(before, &pixels);
-        if self.options.pair_interval_s.is_some() && !self.found.pictures.is_multiple_of(2) {
+        if self.options.pair_interval.is_some() && !self.found.pictures.is_multiple_of(2) {
             return Ok(None);
         }
         let reading = measure_photo(&pixels, &self.settings).map_err(|e| refused(&e))?;

@@ -1,16 +1,17 @@
 //! What is wrong with a study file: all of it at once.
 
+use crate::document::Document;
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// One thing that is wrong, with the way out.
+/// One mistake, with the way out.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Problem {
-    /// The file.
+    /// Its name.
     pub file: String,
-    /// The line, from 1, where it is known.
+    /// The line, from 1, if it is known.
     pub line: Option<usize>,
-    /// The entry, with its value where it has one.
+    /// Table and key, with its value if it has one.
     pub what: String,
     /// What is wrong with it, and the way out.
     pub problem: String,
@@ -22,18 +23,28 @@ impl fmt::Display for Problem {
         if let Some(line) = self.line {
             write!(f, ", line {line}")?;
         }
-        write!(f, ": {} {}", self.what, self.problem)
+        write!(f, ": {}: {}", self.what, self.problem)
     }
 }
 
-/// Problems found so far.
+/// Problems found so far in a file.
 #[derive(Debug, Default)]
 pub(crate) struct Problems {
+    /// Empty for a design table, whose problems name their own places.
+    pub(crate) document: Document,
     /// In the order in which they were found.
     list: Vec<Problem>,
 }
 
 impl Problems {
+    /// None yet in this file.
+    pub(crate) fn of(document: Document) -> Self {
+        Self {
+            document,
+            list: Vec::new(),
+        }
+    }
+
     /// Adds a problem, once.
     pub(crate) fn add(&mut self, problem: Problem) {
         if !self.list.contains(&problem) {
@@ -41,15 +52,29 @@ impl Problems {
         }
     }
 
-    /// Adds those of others whose line has no problem yet.
-    pub(crate) fn add_of_other_lines(&mut self, others: Self) {
-        let known: BTreeSet<usize> = self.list.iter().filter_map(|p| p.line).collect();
-        let is_new = |p: &Problem| p.line.is_none_or(|line| !known.contains(&line));
+    /// Adds a problem at a path of the file, which is named with its value.
+    pub(crate) fn wrong(&mut self, path: &str, problem: impl Into<String>) {
+        self.add(self.document.problem(path, problem.into()));
+    }
+
+    /// Adds a problem at a path unless a condition holds.
+    pub(crate) fn require(&mut self, holds: bool, path: &str, problem: &str) {
+        if !holds {
+            self.wrong(path, problem);
+        }
+    }
+
+    /// Adds those of others.
+    pub(crate) fn extend(&mut self, others: Self) {
         others
             .list
             .into_iter()
-            .filter(is_new)
-            .for_each(|p| self.add(p));
+            .for_each(|problem| self.add(problem));
+    }
+
+    /// Lines in which something is wrong.
+    pub(crate) fn lines(&self) -> BTreeSet<usize> {
+        self.list.iter().filter_map(|p| p.line).collect()
     }
 
     /// Number of problems found so far.
@@ -57,7 +82,7 @@ impl Problems {
         self.list.len()
     }
 
-    /// Fails where there is a problem; problems are told in the order of their lines.
+    /// Fails if there is a problem; they are in the order of their lines.
     pub(crate) fn into_result(mut self) -> Result<(), crate::Error> {
         if self.list.is_empty() {
             return Ok(());

@@ -57,7 +57,7 @@ pub fn plan_study(study: &Study, seed: u64, folder: &Path) -> Result<Price, Erro
     let within = study.settings_within(&simulator, seed)?;
     let stages = inference::planned(&study.problem, &within)?;
     let store = store_of(folder)?;
-    let price = price::of(&simulator, &stages, study.budget, store.as_ref())?;
+    let price = price::of(&simulator, &stages, study.file.budget, store.as_ref())?;
     inference::within_budget(&stages, &within)?;
     Ok(Price {
         most_runs: within.most_runs,
@@ -105,7 +105,7 @@ pub fn plan_diagnosis(study: &Study, seed: u64, folder: &Path) -> Result<Diagnos
     let mut price = price::of(
         &simulator,
         std::slice::from_ref(&stage),
-        study.budget,
+        study.file.budget,
         store.as_ref(),
     )?;
     Ok(DiagnosisPrice {
@@ -146,7 +146,7 @@ pub fn run_study(
         version: env!("CARGO_PKG_VERSION").into(),
         seed: settings.seed,
         inputs: study.inputs.clone(),
-        compare: compare(&study.compare, &study.problem, &calibration),
+        compare: compare(&study.file.compare, &study.problem, &calibration),
         defaults: study.defaults.clone(),
         not_applicable: study.not_applicable.clone(),
         records,
@@ -226,7 +226,7 @@ impl Study {
     fn settings_within(&self, simulator: &dyn Simulator, seed: u64) -> Result<LoopSettings, Error> {
         let with_seed = self.settings_with(seed);
         let stages = inference::planned(&self.problem, &with_seed)?;
-        let most_runs = price::of(simulator, &stages, self.budget, None)?.most_runs;
+        let most_runs = price::of(simulator, &stages, self.file.budget, None)?.most_runs;
         Ok(LoopSettings {
             most_runs,
             ..with_seed

@@ -3,7 +3,7 @@
 use input::quantity::{
     Angle, AngularSpeed, Density, Frequency, Length, Mass, Pressure, Speed, Time,
 };
-use scene::{Override, Scene, setting_at};
+use scene::{Scene, setting_at};
 use toml::{Table, Value};
 
 /// Why a setting is no number in a unit; the way out is part of it.
@@ -94,17 +94,6 @@ fn in_unit(text: &str, unit: &str) -> Option<f64> {
         Frequency
     );
     None
-}
-
-/// The change of a setting to a number in a unit.
-pub(crate) fn change(path: &str, value: f64, unit: Option<&str>) -> Override {
-    Override {
-        name: path.to_owned(),
-        value: match unit {
-            None | Some("" | "1") => value.to_string(),
-            Some(unit) => format!("{value} {unit}"),
-        },
-    }
 }
 
 #[cfg(test)]

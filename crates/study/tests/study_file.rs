@@ -7,9 +7,8 @@ mod study_file {
     pub(crate) mod fixtures;
     pub(crate) mod folder;
     pub(crate) mod given;
-    pub(crate) mod plausible;
-    pub(crate) mod refused;
-    pub(crate) mod refused_measurements;
+    mod of_a_program;
+    mod refused;
     mod unread_photos;
     pub(crate) mod values;
 }

@@ -3,7 +3,7 @@
 
 use crate::coarse;
 use dev_support::fixture_files::fixture;
-use scene::{FillingLibrary, NumberChange, Override, Scene, run};
+use scene::{FillingLibrary, Override, Scene, run};
 use std::path::Path;
 
 /// The study's drum as its file has it.
@@ -74,14 +74,10 @@ fn numbers_go_in_and_out_by_their_path() {
         "a quantity has a unit"
     );
     assert_eq!(scene.number("no.such.thing"), None);
-    let change = |path: &str, value, unit: Option<&str>| NumberChange {
-        path: path.into(),
-        value,
-        unit: unit.map(Into::into),
-    };
+    let change = Override::number;
     let value = 0.1 + 0.2;
     let changed = scene
-        .with_numbers(&[
+        .with(&[
             change(path, value, None),
             change("seed.0.count", 50.0, None),
             change("apparatus.speed", 15.0, Some("rpm")),
@@ -89,10 +85,7 @@ fn numbers_go_in_and_out_by_their_path() {
         ])
         .unwrap();
     assert_eq!(changed.number(path), Some(value));
-    let text = |name: &str, value: &str| Override {
-        name: name.into(),
-        value: value.into(),
-    };
+    let text = Override::new;
     let by_text = scene
         .with(&[
             text(path, &value.to_string()),
@@ -117,7 +110,7 @@ fn numbers_go_in_and_out_by_their_path() {
         (change("no.such.thing", 1.5, None), vec!["no.such.thing"]),
     ] {
         let told = scene
-            .with_numbers(std::slice::from_ref(&change))
+            .with(std::slice::from_ref(&change))
             .unwrap_err()
             .to_string();
         for word in words {

@@ -17,6 +17,7 @@ use campaign::run_store::Record;
 use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError, in_full};
 use photo_profile::{Settings, measure_photo, read_frames};
 use scene::{FrameReading, SteadyRule};
+use serde::Deserialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fs;
@@ -31,7 +32,8 @@ const REVISION: u32 = 3;
 const REQUEST: &str = "request.json";
 
 /// Where a command leaves what it found; paths from the folder of the run.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct ResultFiles {
     /// JSON of observables.
     pub observables: Option<PathBuf>,

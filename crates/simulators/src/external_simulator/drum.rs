@@ -1,13 +1,15 @@
 //! The drum that positions of another code show: its size, its axes, its times.
 
 use crate::exchange::Moment;
-use input::quantity::{AngularSpeed, Length, Time};
+use input::quantity::{Angle, AngularSpeed, Length, Time};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use scene::DrumCamera;
+use serde::{Deserialize, Deserializer};
 use std::collections::BTreeMap;
 
 /// A drum as a study describes it; `{name}` in a text takes the value of a condition or parameter.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct DrumDescription {
     /// Inner diameter, such as "60 mm".
     pub inner_diameter: String,
@@ -16,12 +18,16 @@ pub struct DrumDescription {
     /// Speed, such as "{rpm} rpm"; positive where the bed rises on the right of the picture.
     pub speed: String,
     /// Point of the axis halfway between the covers, three lengths.
+    #[serde(default = "usual::centre")]
     pub centre: [String; 3],
     /// Direction of the axis towards the camera: x, y or z, with a minus where it points the other way.
+    #[serde(default = "usual::axis")]
     pub axis: String,
     /// Direction upwards, in the same way.
+    #[serde(default = "usual::up")]
     pub up: String,
     /// Gravity, m/s².
+    #[serde(default = "usual::gravity")]
     pub gravity_m_s2: f64,
     /// Time from one moment to the next, where the files do not tell their times.
     pub interval: Option<String>,
@@ -30,9 +36,43 @@ pub struct DrumDescription {
     /// Time that is left out at the start.
     pub start_up: Option<String>,
     /// Edge of the pictures that are drawn of the spheres, px.
+    #[serde(default = "usual::pixels")]
     pub pixels: u32,
     /// Largest standard error with which the angle may be known from one picture, rad.
+    #[serde(default = "usual::max_angle_error", deserialize_with = "angle")]
     pub max_angle_error: f64,
+}
+
+/// An angle with its unit, rad.
+fn angle<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Angle::deserialize(from).map(Angle::si)
+}
+
+/// What a file leaves out.
+mod usual {
+    pub(super) fn centre() -> [String; 3] {
+        ["0 mm", "0 mm", "0 mm"].map(str::to_owned)
+    }
+
+    pub(super) fn axis() -> String {
+        "z".into()
+    }
+
+    pub(super) fn up() -> String {
+        "y".into()
+    }
+
+    pub(super) fn gravity() -> f64 {
+        9.81
+    }
+
+    pub(super) fn pixels() -> u32 {
+        480
+    }
+
+    pub(super) fn max_angle_error() -> f64 {
+        photo_profile::MAX_ANGLE_ERROR
+    }
 }
 
 /// The drum of one run.

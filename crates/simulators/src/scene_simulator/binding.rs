@@ -1,7 +1,7 @@
 //! Which settings of a scene a parameter stands for.
 
 use crate::scene_simulator::Error;
-use scene::{NumberChange, Scene};
+use scene::{Override, Scene, SettingKind};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -25,14 +25,10 @@ impl Binding {
         }
     }
 
-    /// The changes of a scene that the value of the parameter makes: one for each path that the scene has.
-    pub(crate) fn changes(&self, present: &[String], value: f64) -> Vec<NumberChange> {
-        let paths = self.paths.iter().filter(|path| present.contains(path));
-        let change = |path: &String| NumberChange {
-            path: path.clone(),
-            value,
-            unit: self.unit.clone(),
-        };
+    /// The changes of a scene that a value of the parameter makes: one for each path that the scene has.
+    pub fn changes(&self, has: impl Fn(&str) -> bool, value: f64) -> Vec<Override> {
+        let paths = self.paths.iter().filter(|path| has(path));
+        let change = |path: &String| Override::number(path, value, self.unit.as_deref());
         paths.map(change).collect()
     }
 }
@@ -71,18 +67,20 @@ pub(crate) fn has_setting(
     path: &str,
     unit: Option<&str>,
 ) -> Result<bool, scene::Error> {
-    let there = scene.number(path);
-    // The number that stands there can always be put there again.
-    let probe = NumberChange {
-        path: path.to_owned(),
-        value: there.unwrap_or(1.0),
-        unit: unit.map(str::to_owned),
+    let setting = match scene.named_setting(path) {
+        Ok(setting) => setting,
+        Err(scene::Error::UnknownSetting { .. }) => return Ok(false),
+        Err(error) => return Err(error),
     };
-    match scene.with_numbers(&[probe]) {
-        Ok(_) => Ok(true),
-        Err(scene::Error::UnknownSetting { .. }) => Ok(false),
-        // Whether 1 of the unit is valid is the question of a request.
-        Err(_) if there.is_none() && unit.is_some() => Ok(true),
-        Err(error) => Err(error),
-    }
+    let requirement = match (setting.kind, unit) {
+        (SettingKind::Number, None) | (SettingKind::Quantity, Some(_)) => return Ok(true),
+        (SettingKind::Number, Some(_)) => "a number without unit",
+        (SettingKind::Quantity, None) => "a number with its unit",
+        (SettingKind::Text | SettingKind::Switch, _) => "a setting that takes a number",
+    };
+    Err(scene::Error::BadValue {
+        name: format!("{}: {}", scene.file, setting.path),
+        value: unit.map_or("a number".into(), |unit| format!("a number in {unit}")),
+        requirement: format!("{requirement}: it is {}", setting.value),
+    })
 }

@@ -276,13 +276,7 @@ impl ParameterFile {
             let unit = parameter.setting_unit();
             for path in &parameter.sets {
                 if self.has(scene, parameter, path)? {
-                    overrides.push(Override {
-                        name: path.clone(),
-                        value: match unit {
-                            Some(unit) => format!("{} {unit}", parameter.value),
-                            None => parameter.value.to_string(),
-                        },
-                    });
+                    overrides.push(Override::number(path, parameter.value, unit));
                 }
             }
         }

@@ -6,9 +6,7 @@ use crate::scene_simulator::outcome::outcome_of;
 use crate::scene_simulator::{Binding, Effort, Error};
 use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
 use input::quantity::AngularSpeed;
-use scene::{
-    FillingLibrary, NumberChange, RunResult, Scene, StopFlag, USUAL_RETRIES, run_retrying,
-};
+use scene::{FillingLibrary, Override, RunResult, Scene, StopFlag, USUAL_RETRIES, run_retrying};
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 use std::collections::{BTreeMap, VecDeque};
@@ -41,7 +39,7 @@ pub struct SceneSimulator {
     /// SHA-256 of each file of a shape, in lower-case hexadecimal.
     meshes: BTreeMap<PathBuf, String>,
     /// Bodies made so far.
-    fillings: FillingLibrary,
+    fillings: Arc<FillingLibrary>,
     /// The last runs by what moved the seeds: a scene without its camera, and the seed.
     moved: Mutex<VecDeque<(String, Arc<RunResult>)>>,
     /// How often a run that diverges is tried again, each time with half the time step.
@@ -106,11 +104,18 @@ impl SceneSimulator {
             amplitudes: BTreeMap::new(),
             coarse_graining: None,
             meshes,
-            fillings: FillingLibrary::default(),
+            fillings: Arc::default(),
             moved: Mutex::default(),
             retries: USUAL_RETRIES,
             stop: Arc::default(),
         })
+    }
+
+    /// Shares the bodies that were made for these scenes before.
+    #[must_use]
+    pub fn with_fillings(mut self, fillings: &Arc<FillingLibrary>) -> Self {
+        self.fillings = Arc::clone(fillings);
+        self
     }
 
     /// Takes parameters for amplitudes of effects: symbols with the names of the effects. They act before the effects of a request,
@@ -165,7 +170,7 @@ impl SceneSimulator {
         let mut scene = if changes.is_empty() {
             model.scene.clone()
         } else {
-            let changed = model.scene.with_numbers(&changes);
+            let changed = model.scene.with(&changes);
             changed.map_err(SimulatorError::other)?
         };
         for (name, value) in &request.condition {
@@ -217,8 +222,8 @@ impl SceneSimulator {
         &self,
         model: &Model,
         request: &RunRequest,
-    ) -> Result<Vec<NumberChange>, SimulatorError> {
-        let mut all: Vec<NumberChange> = Vec::new();
+    ) -> Result<Vec<Override>, SimulatorError> {
+        let mut all: Vec<Override> = Vec::new();
         let all_of_request = request.parameters.iter();
         let of_settings = |(symbol, _): &(&String, &f64)| {
             !self.amplitudes.contains_key(*symbol) && self.coarse_graining.as_ref() != Some(*symbol)
@@ -230,11 +235,11 @@ impl SceneSimulator {
                     names(&self.bindings)
                 ))
             })?;
-            for change in binding.changes(&model.present, *value) {
-                if all.iter().any(|other| other.path == change.path) {
+            for change in binding.changes(|path| model.present.iter().any(|p| p == path), *value) {
+                if all.iter().any(|other| other.name == change.name) {
                     return Err(refused(format!(
                         "parameter '{symbol}' sets '{}', which another parameter of the request sets as well",
-                        change.path
+                        change.name
                     )));
                 }
                 all.push(change);

@@ -1,7 +1,7 @@
 //! Reading the cells of a design table.
 
 use super::columns::Setter;
-use scene::{NumberChange, Override, SettingKind};
+use scene::{Override, SettingKind};
 
 /// What a cell changes in the scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,15 +69,11 @@ impl Change {
     }
 
     /// The changes of numbers at the settings of a column.
-    pub(super) fn numbers(&self, setter: &Setter) -> Vec<NumberChange> {
+    pub(super) fn numbers(&self, setter: &Setter) -> Vec<Override> {
         let Self::Number { value, unit, .. } = self else {
             return Vec::new();
         };
-        let change = |path: &String| NumberChange {
-            path: path.clone(),
-            value: *value,
-            unit: unit.clone(),
-        };
+        let change = |path: &String| Override::number(path, *value, unit.as_deref());
         setter.paths.iter().map(change).collect()
     }
 
@@ -86,11 +82,11 @@ impl Change {
         let Self::Word(word) = self else {
             return Vec::new();
         };
-        let change = |path: &String| Override {
-            name: path.clone(),
-            value: word.clone(),
-        };
-        setter.paths.iter().map(change).collect()
+        setter
+            .paths
+            .iter()
+            .map(|path| Override::new(path, word))
+            .collect()
     }
 }
 

@@ -3,13 +3,12 @@
 use super::DesignChoices;
 use super::bind::{Bind, binds, name_and_unit};
 use super::cells::carries_unit;
-use super::near::near;
 use super::results;
 use crate::problem::{Problem, Problems};
 use crate::setting::number;
 use experiment_design::Factor;
 use experiment_design::table::Table;
-use scene::{NamedSetting, Scene, SettingKind};
+use scene::{NamedSetting, Scene, SettingKind, like_names};
 use std::collections::BTreeMap;
 use toml::Value;
 
@@ -159,8 +158,8 @@ impl Reader<'_> {
                 problems.add(Problem {
                     file: self.file.clone(),
                     line: Some(self.table.header_line()),
-                    what: format!("has no column '{name}',"),
-                    problem: format!("which {flag} names; there are {}", header.join(", ")),
+                    what: format!("{flag} '{name}'"),
+                    problem: format!("the table has no such column; it has {}", header.join(", ")),
                 });
             }
         }
@@ -293,7 +292,7 @@ impl Reader<'_> {
     /// Why a column sets nothing, and the way out.
     fn not_found(&self, symbol: &str, name: &str, error: &scene::Error) -> String {
         let file = &self.scene.file;
-        let like = near(name, &self.known);
+        let like = like_names(&self.known, name);
         if let scene::Error::AmbiguousSetting { candidates, .. } = error {
             return format!("may mean {candidates}: write the whole path");
         }

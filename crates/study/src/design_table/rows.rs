@@ -7,7 +7,7 @@ use crate::problem::{Problem, Problems};
 use campaign::RunRequest;
 use experiment_design::Factor;
 use experiment_design::table::{Row, Table};
-use scene::{NumberChange, Override, Scene};
+use scene::{Override, Scene};
 use simulators::scene_simulator::Binding;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -119,11 +119,11 @@ impl Asked {
         let name = reader.model_name(&words);
         let known = self.models.get(&name).cloned();
         let model = known.map_or_else(|| reader.scene.with(&words), Ok);
-        let numbers: Vec<NumberChange> = cells
+        let numbers: Vec<Override> = cells
             .iter()
             .flat_map(|c| c.change.numbers(c.setter))
             .collect();
-        let whole = model.and_then(|model| model.with_numbers(&numbers).map(|_| model));
+        let whole = model.and_then(|model| model.with(&numbers).map(|_| model));
         let model = match whole {
             Ok(model) => model,
             Err(error) => {
@@ -287,8 +287,7 @@ impl<'a> Reader<'a> {
         let before = problems.count();
         for cell in cells {
             let words = self.scene.with(&cell.change.words(cell.setter));
-            let alone =
-                words.and_then(|scene| scene.with_numbers(&cell.change.numbers(cell.setter)));
+            let alone = words.and_then(|scene| scene.with(&cell.change.numbers(cell.setter)));
             if let Err(error) = alone {
                 let problem = format!("is refused: {}", one_line(&error.to_string()));
                 problems.add(self.of_cell(row, cell.column, problem));

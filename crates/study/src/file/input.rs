@@ -1,13 +1,13 @@
 //! `[[input]]`: what the user weighed, counted or measured, with its error.
 
-use super::parts::NUMBER;
-use super::{MeasuredEntry, ParameterEntry};
-use crate::document::{Document, Fields, below};
-use crate::keys;
+use super::check::refuse_unknown_scenes;
+use super::{ParameterEntry, StudyFile};
+use crate::document::below;
 use crate::limits::physical_limits;
 use crate::plausible::wrong_name;
 use crate::problem::Problems;
 use inference::Prior;
+use serde::Deserialize;
 use simulators::effects::{Effect, find};
 
 /// How far an input may move, in standard deviations. Our choice: of right ones 3 in 1000 lie beyond.
@@ -17,79 +17,103 @@ const REACH: f64 = 3.0;
 /// of all to less. Our choice.
 const BEHIND_PHOTOS: [(&str, f64); 2] = [("seed-count", 0.03), ("seed-size", 0.01)];
 
-/// A `[[input]]` of the scenes: an effect of the library, by which the truth may deviate from what is stated, or settings.
-pub(super) fn input(fields: &Fields<'_>, problems: &mut Problems) -> Option<ParameterEntry> {
-    fields.check_keys(&keys::INPUT, problems);
-    let effect: Option<String> = fields.optional("effect", "the name of an effect", problems);
-    let sets: Option<Vec<String>> = fields.optional("sets", "a list of dotted paths", problems);
-    let scenes = fields.optional("scenes", "a list of names of scenes", problems);
-    if effect.is_some() == sets.is_some() {
-        let problem = "needs one of 'effect', such as \"seed-count\", and 'sets', the settings that it stands for";
-        let what = fields.words.clone();
-        problems.add(fields.document.problem(&fields.path, what, problem));
-        return None;
-    }
-    let Some(name) = effect else {
-        let entry = stated(fields, sets, problems)?;
-        return Some(ParameterEntry { scenes, ..entry });
-    };
-    for key in ["mean", "unit"] {
-        if fields.table.contains_key(key) {
-            let problem = "belongs to an input with 'sets': an effect deviates from what the scenes state, 0 on average, in its own unit";
-            problems.add(fields.wrong(key, problem));
-        }
-    }
-    let sd = sd(fields, problems);
-    let found = find(&name);
-    if let Err(error) = &found {
-        problems.add(fields.wrong("effect", format!("cannot be used: {error}")));
-    }
-    let symbol: Option<String> = text(fields, "symbol", problems);
-    let words = text(fields, "name", problems);
-    let mut entry = of_effect(found.ok()?, sd?, &fields.path);
-    entry.symbol = symbol.unwrap_or(entry.symbol);
-    entry.name = words.or(entry.name);
-    entry.scenes = scenes;
-    Some(entry)
-}
-
-/// A `[[input]]` that a program of the user is told by its symbol.
-pub(super) fn command_input(
-    fields: &Fields<'_>,
-    problems: &mut Problems,
-) -> Option<ParameterEntry> {
-    fields.check_keys(&keys::INPUT_COMMAND, problems);
-    let symbol: Option<String> = fields.required("symbol", "a text", problems);
-    stated(fields, symbol.map(|symbol| vec![symbol]), problems)
-}
-
-/// An input whose value the file repeats.
-fn stated(
-    fields: &Fields<'_>,
+/// An input: settings with the value that the scenes have, or an effect by which the truth may deviate from what the scenes state.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct InputEntry {
+    #[serde(rename = "(path)")]
+    pub(super) path: String,
+    effect: Option<String>,
     sets: Option<Vec<String>>,
-    problems: &mut Problems,
-) -> Option<ParameterEntry> {
-    let symbol = text(fields, "symbol", problems);
-    let name = text(fields, "name", problems);
-    let unit = fields.optional("unit", "a text such as \"mm\"", problems);
-    let mean: Option<f64> = fields.required("mean", NUMBER, problems);
-    let (mean, sd, sets) = (mean, sd(fields, problems), sets?);
-    let (mean, sd) = (mean?, sd?);
-    let Some(first) = sets.first().cloned() else {
-        problems.add(fields.wrong("sets", "is empty: name the settings of the scenes"));
-        return None;
-    };
-    let known = sets.iter().filter_map(|path| physical_limits(path));
-    let narrowest = known.fold([f64::NEG_INFINITY, f64::INFINITY], |a, b| {
-        [a[0].max(b[0]), a[1].min(b[1])]
-    });
-    Some(ParameterEntry {
-        name: Some(name.unwrap_or_else(|| first.clone())),
-        symbol: symbol.unwrap_or(first),
-        sets,
-        unit,
-        ..about(Prior { mean, sd }, narrowest, &fields.path)
-    })
+    symbol: Option<String>,
+    name: Option<String>,
+    unit: Option<String>,
+    mean: Option<f64>,
+    sd: f64,
+    scenes: Option<Vec<String>>,
+}
+
+impl InputEntry {
+    /// The parameter that it is; `None` if it is wrong.
+    pub(super) fn parameter(
+        &self,
+        of_command: bool,
+        problems: &mut Problems,
+    ) -> Option<ParameterEntry> {
+        let (before, at) = (problems.count(), |key: &str| below(&self.path, key));
+        for (key, text) in [("symbol", &self.symbol), ("name", &self.name)] {
+            if let Some(problem) = text.as_deref().and_then(wrong_name) {
+                problems.wrong(&at(key), problem);
+            }
+        }
+        let holds = self.sd.is_finite() && self.sd >= 0.0;
+        problems.require(
+            holds,
+            &at("sd"),
+            "must be 0 or more; 0 if the input is exact",
+        );
+        // A program of the user gets an input by its symbol.
+        let symbol = self.symbol.clone().filter(|_| of_command);
+        let sets = symbol.map(|symbol| vec![symbol]).or(self.sets.clone());
+        let found = match (&self.effect, sets) {
+            (None, Some(sets)) => self.stated(sets, problems),
+            (Some(name), None) => self.deviation(name, problems),
+            _ if of_command => {
+                problems.wrong(&self.path, "has no 'symbol': add it");
+                None
+            }
+            _ => {
+                let problem = "needs one of 'effect', such as \"seed-count\", and 'sets', the settings that it is the value of";
+                problems.wrong(&self.path, problem);
+                None
+            }
+        };
+        found.filter(|_| problems.count() == before)
+    }
+
+    /// Settings whose value the file repeats.
+    fn stated(&self, sets: Vec<String>, problems: &mut Problems) -> Option<ParameterEntry> {
+        let problem = "has no 'mean': add the value that the scenes have";
+        problems.require(self.mean.is_some(), &self.path, problem);
+        let problem = "is empty: name the settings of the scenes";
+        problems.require(!sets.is_empty(), &below(&self.path, "sets"), problem);
+        let first = sets.first()?.clone();
+        let known = sets.iter().filter_map(|path| physical_limits(path));
+        let possible = known.fold([f64::NEG_INFINITY, f64::INFINITY], |a, b| {
+            [a[0].max(b[0]), a[1].min(b[1])]
+        });
+        let prior = Prior {
+            mean: self.mean?,
+            sd: self.sd,
+        };
+        Some(ParameterEntry {
+            name: self.name.clone().or(Some(first.clone())),
+            symbol: self.symbol.clone().unwrap_or(first),
+            sets,
+            unit: self.unit.clone(),
+            scenes: self.scenes.clone(),
+            ..about(prior, possible, &self.path)
+        })
+    }
+
+    /// An effect of the library.
+    fn deviation(&self, effect: &str, problems: &mut Problems) -> Option<ParameterEntry> {
+        for (key, is_there) in [("mean", self.mean.is_some()), ("unit", self.unit.is_some())] {
+            let problem = "is only for an input with 'sets': an effect deviates from what the scenes state, 0 on average, in its own unit";
+            problems.require(!is_there, &below(&self.path, key), problem);
+        }
+        let found = find(effect);
+        if let Err(error) = &found {
+            problems.wrong(&below(&self.path, "effect"), error.to_string());
+        }
+        let of_effect = of_effect(found.ok()?, self.sd, &self.path);
+        Some(ParameterEntry {
+            symbol: self.symbol.clone().unwrap_or(of_effect.symbol),
+            name: self.name.clone().or(of_effect.name),
+            scenes: self.scenes.clone(),
+            ..of_effect
+        })
+    }
 }
 
 /// An effect of the library as an input.
@@ -111,6 +135,7 @@ fn about(prior: Prior, [least, most]: [f64; 2], path: &str) -> ParameterEntry {
         (mean + REACH * sd).min(most.max(mean)),
     );
     ParameterEntry {
+        path: path.to_owned(),
         symbol: String::new(),
         name: None,
         sets: Vec::new(),
@@ -123,72 +148,39 @@ fn about(prior: Prior, [least, most]: [f64; 2], path: &str) -> ParameterEntry {
         is_input: true,
         effect: None,
         scenes: None,
-        path: path.to_owned(),
     }
 }
 
-/// The standard deviation; 0 says that the input is right.
-fn sd(fields: &Fields<'_>, problems: &mut Problems) -> Option<f64> {
-    let sd: f64 = fields.required("sd", NUMBER, problems)?;
-    if !(sd.is_finite() && sd >= 0.0) {
-        problems.add(fields.wrong("sd", "must be 0, for an input that is exact, or more"));
-        return None;
-    }
-    Some(sd)
-}
-
-/// A name that may be left out.
-fn text(fields: &Fields<'_>, key: &str, problems: &mut Problems) -> Option<String> {
-    let text: Option<String> = fields.optional(key, "a text", problems);
-    if let Some(problem) = text.as_deref().and_then(wrong_name) {
-        problems.add(fields.wrong(key, problem));
-    }
-    text
-}
-
-/// Adds the inputs that photos depend on where the file does not state them, and leaves out those that it states to be exact.
+/// The inputs that have an error, with those that photos depend on if the file does not state them.
 pub(super) fn complete(
-    document: &Document,
+    file: &StudyFile,
     mut inputs: Vec<ParameterEntry>,
-    measured: &[MeasuredEntry],
     problems: &mut Problems,
 ) -> Vec<ParameterEntry> {
-    let names = document.table.get("scene").and_then(toml::Value::as_array);
-    let names = names.into_iter().flatten();
-    let names: Vec<&str> = names.filter_map(|s| s.get("name")?.as_str()).collect();
+    let names: Vec<&str> = file.scene.iter().map(|s| s.name.as_str()).collect();
     for input in &inputs {
-        for (k, name) in input.scenes.iter().flatten().enumerate() {
-            if !names.contains(&name.as_str()) {
-                let at = below(&below(&input.path, "scenes"), k);
-                let what = format!("[[input]] {}: scenes: '{name}'", input.symbol);
-                let problem = format!("is no [[scene]]; there are {}", names.join(", "));
-                problems.add(document.problem(&at, what, problem));
-            }
-        }
+        let scenes = input.scenes.as_deref().unwrap_or_default();
+        refuse_unknown_scenes(scenes, &input.path, &names, problems);
     }
-    let mut scenes: Vec<String> = Vec::new();
-    for entry in measured.iter().filter(|m| !m.photos.is_empty()) {
-        if !scenes.contains(&entry.scene) {
-            scenes.push(entry.scene.clone());
-        }
-    }
+    let photographed = |name: &&str| {
+        let mut measured = file.measured.iter();
+        measured.any(|m| m.scene == **name && !m.photos.is_empty())
+    };
+    let scenes: Vec<String> = names
+        .into_iter()
+        .filter(photographed)
+        .map(str::to_owned)
+        .collect();
     for (name, sd) in BEHIND_PHOTOS {
         let is_stated = |input: &ParameterEntry| input.effect.as_deref() == Some(name);
-        if let (false, Ok(effect)) = (
-            scenes.is_empty() || inputs.iter().any(is_stated),
-            find(name),
-        ) {
-            inputs.push(ParameterEntry {
-                scenes: Some(scenes.clone()),
-                ..of_effect(effect, sd, "")
-            });
+        if file.is_of_command() || scenes.is_empty() || inputs.iter().any(is_stated) {
+            continue;
         }
+        inputs.extend(find(name).map(|effect| ParameterEntry {
+            scenes: Some(scenes.clone()),
+            ..of_effect(effect, sd, "")
+        }));
     }
-    with_error(inputs)
-}
-
-/// Inputs that are not exact.
-pub(super) fn with_error(mut inputs: Vec<ParameterEntry>) -> Vec<ParameterEntry> {
     inputs.retain(|input| input.prior.is_some_and(|prior| prior.sd > 0.0));
     inputs
 }

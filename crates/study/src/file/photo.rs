@@ -1,168 +1,160 @@
 //! How photos are read, as the file says it.
 
-use super::PhotoOptions;
-use crate::document::Fields;
-use crate::keys;
+use crate::document::below;
 use crate::photo_values::{IF_NAMED, OF_PHOTOS};
 use crate::problem::Problems;
-use input::quantity::{Angle, Time};
-use photo_profile::{PixelPoint, PixelRegion, mark_error, roll_by_level, roll_by_plumb_line};
+use input::quantity::{self, Angle, Time};
+use photo_profile::{Error, Foreground, PixelPoint, mark_error, roll_by_level, roll_by_plumb_line};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 /// How photos are read.
-pub(super) fn photo_options(fields: &Fields<'_>, problems: &mut Problems) -> PhotoOptions {
-    fields.check_keys(&keys::PHOTO, problems);
-    let definition: Option<String> = fields.optional("definition", "\"line\"", problems);
-    if definition.is_some_and(|d| d != "line") {
-        problems.add(fields.wrong(
-            "definition",
-            "cannot be compared: the angle of a simulated frame is that of the line through the whole surface; \
-             write \"line\"",
-        ));
-    }
-    let (roll_rad, roll_error_rad) = roll(fields, problems);
-    let elevation_rad = angle_within(fields, "elevation", [0.0, 30.0], problems);
-    let max_angle_error_rad = max_angle_error(fields, problems);
-    let drum = fields.optional("drum", "three numbers [cx, cy, r] in px", problems);
-    let form = "\"X,Y;X,Y;X,Y;X,Y\" in px: upper left, upper right, lower right, lower left";
-    let corners = places(fields, "corners", form, problems);
-    let form = "four whole numbers [x, y, width, height] in px";
-    let region: Option<[u32; 4]> = fields.optional("region", form, problems);
-    let mask: Option<PathBuf> = fields.optional("mask", "the name of a picture", problems);
-    if corners.is_some() && mask.is_some() {
-        let problem = "lies over the picture as it was taken: leave out corners, or hide nothing";
-        problems.add(fields.wrong("mask", problem));
-    }
-    let every: Option<NonZeroUsize> = fields.optional("every", "a whole number from 1", problems);
-    let kinds = "\"auto\", \"dark\" or \"light\"";
-    let foreground = fields.optional("foreground", kinds, problems);
-    let frame_interval_s = interval(fields, "frame_interval", problems);
-    let pair_interval_s = interval(fields, "pair_interval", problems);
-    if every.is_some() && pair_interval_s.is_some() {
-        let problem = "parts the pictures of a pair: leave out one of every and pair_interval";
-        problems.add(fields.wrong("every", problem));
-    }
-    let names = "a list of observables";
-    let also: Option<Vec<String>> = fields.optional("also", names, problems);
-    let also = also.unwrap_or_default();
-    for name in also
-        .iter()
-        .filter(|name| !IF_NAMED.contains(&name.as_str()))
-    {
-        let problem = format!(
-            "'{name}' is none of the observables that are left to choice: {}; all others are taken over where photos show \
-             them",
-            IF_NAMED.join(", ")
-        );
-        problems.add(fields.wrong("also", problem));
-    }
-    let leave_out: Option<Vec<String>> = fields.optional("leave_out", names, problems);
-    let leave_out = leave_out.unwrap_or_default();
-    for name in &leave_out {
-        if !OF_PHOTOS.contains(&name.as_str()) {
-            let problem = format!(
-                "'{name}' is none of the observables that photos give: {}",
-                OF_PHOTOS.join(", ")
-            );
-            problems.add(fields.wrong("leave_out", problem));
-        } else if also.contains(name) {
-            let problem = format!("'{name}' is named in also, too: remove it from one of both");
-            problems.add(fields.wrong("leave_out", problem));
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct PhotoOptions {
+    /// Slope that is the angle.
+    definition: Option<Definition>,
+    /// Angle of the true horizontal in the pictures, counter-clockwise positive.
+    roll: Option<Angle>,
+    /// Two places on a plumb line, or of one height, px, which tell the same angle.
+    #[serde(deserialize_with = "places")]
+    plumb_line: Option<[[f64; 2]; 2]>,
+    #[serde(deserialize_with = "places")]
+    level: Option<[[f64; 2]; 2]>,
+    /// How far above the foot of a heap the camera stands; `None`: as the lower edge of each heap shows it.
+    pub(crate) elevation: Option<Angle>,
+    /// Largest standard error with which the angle may be known from one picture; `None`: 3 degrees.
+    pub(crate) max_angle_error: Option<Angle>,
+    /// Left, top, width and height of the part of each picture that alone is looked at, px.
+    pub(crate) region: Option<[u32; 4]>,
+    /// A picture that is black where something else than bed and air shows.
+    pub(crate) mask: Option<PathBuf>,
+    /// One picture of so many is taken: of several files one file, of one film or animation one picture in it.
+    pub(crate) every: Option<NonZeroUsize>,
+    /// Centre and radius of the drum, px; `None`: found.
+    pub(crate) drum: Option<[f64; 3]>,
+    /// Corners of a square in the plane of the drum's end, px.
+    #[serde(deserialize_with = "places")]
+    pub(crate) corners: Option<[[f64; 2]; 4]>,
+    /// Tone of the bed against the air.
+    pub(crate) foreground: Foreground,
+    /// Time between two pictures that follow each other, taken or not; `None`: not known, or not always the same.
+    pub(crate) frame_interval: Option<Time>,
+    /// Time between the two pictures of a pair, of which the first is measured and the second shows how far the surface went.
+    pub(crate) pair_interval: Option<Time>,
+    /// Observables to be taken over besides the usual ones.
+    pub(crate) also: Vec<String>,
+    /// Observables that are not to be taken over.
+    pub(crate) leave_out: Vec<String>,
+}
+
+/// The one definition that a simulated frame can be compared by: the line through the whole surface.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Definition {
+    Line,
+}
+
+impl PhotoOptions {
+    /// Angle of the true horizontal in the pictures and its standard error, rad: stated, or by a mark in them; 0 if neither is given.
+    ///
+    /// # Errors
+    ///
+    /// The key of a mark that shows no horizontal.
+    pub(crate) fn roll_rad(&self) -> Result<(f64, f64), (&'static str, Error)> {
+        let points = |ends: [[f64; 2]; 2]| ends.map(|[x, y]| PixelPoint { x, y });
+        if let Some(ends) = self.plumb_line.map(points) {
+            let roll = roll_by_plumb_line(ends).map_err(|error| ("plumb_line", error))?;
+            return Ok((roll, mark_error(ends)));
         }
+        if let Some(ends) = self.level.map(points) {
+            let roll = roll_by_level(ends).map_err(|error| ("level", error))?;
+            return Ok((roll, mark_error(ends)));
+        }
+        Ok((self.roll.map_or(0.0, Angle::si), 0.0))
     }
-    PhotoOptions {
-        frame_interval_s,
-        pair_interval_s,
-        also,
-        leave_out,
-        roll_rad,
-        roll_error_rad,
-        elevation_rad,
-        max_angle_error_rad,
-        region: region.map(|[left, top, width, height]| PixelRegion {
-            left,
-            top,
-            width,
-            height,
-        }),
-        mask,
-        every,
-        drum,
-        corners,
-        foreground: foreground.unwrap_or_default(),
-    }
-}
 
-/// Largest standard error with which the angle may be known from one picture, rad.
-pub(super) fn max_angle_error(fields: &Fields<'_>, problems: &mut Problems) -> Option<f64> {
-    angle_within(fields, "max_angle_error", [0.1, 30.0], problems)
-}
-
-/// An angle between two limits (degrees), rad.
-fn angle_within(
-    fields: &Fields<'_>,
-    key: &str,
-    [low, high]: [f64; 2],
-    problems: &mut Problems,
-) -> Option<f64> {
-    let angle: Option<Angle> = fields.optional(key, "an angle such as \"3 deg\"", problems);
-    let angle = angle.map(Angle::si);
-    let possible = |angle: &f64| (low..=high).contains(&angle.to_degrees());
-    if angle.is_some_and(|angle| !possible(&angle)) {
-        problems.add(fields.wrong(key, format!("must be {low} to {high} degrees")));
-    }
-    angle.filter(possible)
-}
-
-/// A time between pictures, s.
-fn interval(fields: &Fields<'_>, key: &str, problems: &mut Problems) -> Option<f64> {
-    let time: Option<Time> = fields.optional(key, "a time such as \"40 ms\"", problems);
-    if time.is_some_and(|time| time.si() <= 0.0) {
-        problems.add(fields.wrong(key, "must be above 0 s"));
-    }
-    time.map(Time::si).filter(|time| *time > 0.0)
-}
-
-/// Tells the turn of the camera by two places.
-type RollBy = fn([PixelPoint; 2]) -> Result<f64, photo_profile::Error>;
-
-/// Angle of the true horizontal in the pictures and its standard error, rad: stated, or by a mark in them; 0 if neither is given.
-fn roll(fields: &Fields<'_>, problems: &mut Problems) -> (f64, f64) {
-    let stated: Option<Angle> = fields.optional("roll", "an angle such as \"0.4 deg\"", problems);
-    let mut rolls = vec![stated.map(|angle| (angle.si(), 0.0))];
-    let marks: [(&str, RollBy); 2] = [("plumb_line", roll_by_plumb_line), ("level", roll_by_level)];
-    for (key, roll_by) in marks {
-        let ends = places(fields, key, "\"X,Y;X,Y\" in px: two places", problems);
-        let ends = ends.map(|ends: [[f64; 2]; 2]| ends.map(|[x, y]| PixelPoint { x, y }));
-        rolls.push(ends.and_then(|ends| match roll_by(ends) {
-            Ok(roll) => Some((roll, mark_error(ends))),
-            Err(error) => {
-                problems.add(fields.wrong(key, format!("tells no horizontal: {error}")));
-                None
-            }
-        }));
-        if rolls.iter().flatten().count() > 1 {
+    /// Refuses what contradicts itself.
+    pub(super) fn check(&self, path: &str, problems: &mut Problems) {
+        let at = |key: &str| below(path, key);
+        if let Err((key, error)) = self.roll_rad() {
+            problems.wrong(&at(key), format!("shows no horizontal: {error}"));
+        }
+        let rolls = [
+            ("roll", self.roll.is_some()),
+            ("plumb_line", self.plumb_line.is_some()),
+            ("level", self.level.is_some()),
+        ];
+        for (key, _) in rolls.into_iter().filter(|(_, stated)| *stated).skip(1) {
             let problem =
-                "says the turn of the camera a second time: give one of roll, plumb_line and level";
-            problems.add(fields.wrong(key, problem));
-            rolls.pop();
+                "states the turn of the camera again: give one of roll, plumb_line and level";
+            problems.wrong(&at(key), problem);
+        }
+        require_angle(self.elevation, [0.0, 30.0], &at("elevation"), problems);
+        require_angle(
+            self.max_angle_error,
+            [0.1, 30.0],
+            &at("max_angle_error"),
+            problems,
+        );
+        let both = self.corners.is_some() && self.mask.is_some();
+        let problem = "a mask is laid over the picture as it was taken: leave out corners or mask";
+        problems.require(!both, &at("mask"), problem);
+        for (key, time) in [
+            ("frame_interval", self.frame_interval),
+            ("pair_interval", self.pair_interval),
+        ] {
+            problems.require(
+                time.is_none_or(|time| time.si() > 0.0),
+                &at(key),
+                "must be above 0 s",
+            );
+        }
+        let both = self.every.is_some() && self.pair_interval.is_some();
+        let problem = "would separate the pictures of a pair: leave out every or pair_interval";
+        problems.require(!both, &at("every"), problem);
+        let unknown = |name: &str, known: &[&str]| {
+            let known = known.join(", ");
+            format!("'{name}' is not one of {known}")
+        };
+        for name in self
+            .also
+            .iter()
+            .filter(|name| !IF_NAMED.contains(&name.as_str()))
+        {
+            problems.wrong(&at("also"), unknown(name, &IF_NAMED));
+        }
+        for name in &self.leave_out {
+            if !OF_PHOTOS.contains(&name.as_str()) {
+                problems.wrong(&at("leave_out"), unknown(name, &OF_PHOTOS));
+            } else if self.also.contains(name) {
+                let problem = format!("'{name}' is in also, too: remove it from one of the two");
+                problems.wrong(&at("leave_out"), problem);
+            }
         }
     }
-    rolls.into_iter().flatten().next().unwrap_or_default()
 }
 
-/// So many places `X,Y` with semicolons between them.
-fn places<const N: usize>(
-    fields: &Fields<'_>,
-    key: &str,
-    form: &str,
+/// Refuses an angle beyond two limits, degrees.
+pub(super) fn require_angle(
+    angle: Option<Angle>,
+    [low, high]: [f64; 2],
+    path: &str,
     problems: &mut Problems,
-) -> Option<[[f64; 2]; N]> {
-    let text: String = fields.optional(key, "a text", problems)?;
-    let found = input::quantity::places(&text).and_then(|all| all.try_into().ok());
-    if found.is_none() {
-        problems.add(fields.wrong(key, format!("must be {form}")));
-    }
-    found
+) {
+    let holds = angle.is_none_or(|angle| (low..=high).contains(&angle.si().to_degrees()));
+    problems.require(holds, path, &format!("must be {low} to {high} degrees"));
+}
+
+/// So many places `X,Y` with semicolons between them, px.
+fn places<'de, D: Deserializer<'de>, const N: usize>(
+    from: D,
+) -> Result<Option<[[f64; 2]; N]>, D::Error> {
+    let text = String::deserialize(from)?;
+    let found = quantity::places(&text).and_then(|all| all.try_into().ok());
+    let form = vec!["X,Y"; N].join(";");
+    let wrong = || D::Error::custom(format!("must be {N} places \"{form}\" in px"));
+    found.map(Some).ok_or_else(wrong)
 }

@@ -161,7 +161,7 @@ fn values_that_are_refused_only_together_are_told_as_such() {
     let spare = text.replace(" = \"wall\"", " = \"spare\"");
     std::fs::write(&folder.choices.scene, spare).unwrap();
     let problems = folder.problems();
-    let expected = "line 4: the row has values that do not go together";
+    let expected = "line 4: the row: has values that do not go together";
     assert!(problems.contains(expected), "{problems}");
     assert!(problems.contains("bean-wall"), "{problems}");
     assert_eq!(problems.lines().count(), 1, "{problems}");

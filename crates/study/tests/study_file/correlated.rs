@@ -1,7 +1,6 @@
 //! What photos of one measurement tell beside their means: how these go together, and what the angle tells of time.
 
-use super::folder::{Folder, STUDY, changed, right, wrong};
-use super::refused::tells;
+use super::folder::{Folder, STUDY, changed, right};
 use dev_support::drawn_pictures::Scene;
 use probability::random_stream::Stream;
 use study::Study;
@@ -139,65 +138,4 @@ fn a_stated_correlation_joins_two_measurements() {
     assert_eq!(all.len(), 1);
     assert_eq!((all[0].a, all[0].b, all[0].value), (1, 0, -0.4));
     assert!(right(STUDY).problem.correlations.is_empty());
-}
-
-/// Three observables of which each goes with the next as 0.9 and the last with the first as -0.9: no three variables do so, the
-/// determinant of the matrix being 1 + 2 * 0.9 * 0.9 * -0.9 - 3 * 0.81 < 0. Nor does one correlation have two values.
-#[test]
-fn correlations_that_contradict_each_other_are_refused() {
-    let with = |correlations: &str| {
-        let values = "curvature = { mean = 0.1, sd = 0.02, n = 7.5 }";
-        let more = "s_shape = { mean = 0.0, sd = 0.02, n = 7.5 }";
-        wrong(&changed(
-            values,
-            &format!("{values}\n{more}\ncorrelation = [{correlations}]"),
-        ))
-    };
-    let of_three = r#"["angle_deg", "curvature", 0.9], ["curvature", "s_shape", 0.9], ["angle_deg", "s_shape", -0.9]"#;
-    tells(
-        &with(of_three),
-        &["not positive definite", "s_shape", "smaller ones"],
-    );
-    let twice = r#"["angle_deg", "curvature", 0.5], ["curvature", "angle_deg", 0.4]"#;
-    tells(&with(twice), &["stands there twice"]);
-    let itself = r#"["angle_deg", "angle_deg", 0.5]"#;
-    tells(&with(itself), &["name two"]);
-}
-
-#[test]
-fn a_correlation_that_cannot_be_meant_is_told_with_its_line() {
-    let stated = |text: &str| {
-        wrong(&changed(
-            "curvature = { mean = 0.1, sd = 0.02, n = 7.5 }",
-            &format!("curvature = {{ mean = 0.1, sd = 0.02, n = 7.5 }}\ncorrelation = {text}"),
-        ))
-    };
-    tells(
-        &stated("[[\"angle_deg\", \"s_shape\", 0.4]]"),
-        &["study.toml", "line 34", "'s_shape'", "angle_deg, curvature"],
-    );
-    tells(
-        &stated("[[\"angle_deg\", \"curvature\", 1.0]]"),
-        &["line 34", "between -1 and 1"],
-    );
-    tells(
-        &stated("{ angle_deg = 0.4 }"),
-        &[
-            "line 34",
-            "a list of [\"OBSERVABLE\", \"OBSERVABLE\", correlation]",
-        ],
-    );
-    tells(
-        &stated("[[\"angle_deg\", \"angle_deg\", 0.4]]"),
-        &["angle_deg", "itself"],
-    );
-}
-
-#[test]
-fn a_time_between_photos_that_cannot_be_meant_is_refused() {
-    let message = wrong(&changed(
-        "angle_deg = { mean = 35.1, sd = 0.8, n = 10 }",
-        "photos = \"photos\"\nphoto = { frame_interval = \"0 s\" }",
-    ));
-    tells(&message, &["frame_interval", "above 0 s"]);
 }

@@ -1,7 +1,7 @@
 //! A folder with a small study.
 
 use std::path::PathBuf;
-use study::{Error, Study};
+use study::{Error, Problem, Study};
 
 /// A drum with peas; friction and restitution against the wall matter in the drum, and on no plate of peas.
 pub(crate) const DRUM: &str = r#"
@@ -139,8 +139,52 @@ pub(crate) fn right(study: &str) -> Study {
         .expect("a study that is right")
 }
 
-/// The message about a study that is wrong.
-pub(crate) fn wrong(study: &str) -> String {
-    let error = Folder::new(study).read(None);
-    error.expect_err("a study that is wrong").to_string()
+/// What is wrong with a study.
+pub(crate) fn wrong(study: &str) -> Vec<Problem> {
+    problems(&Folder::new(study), None)
+}
+
+/// What is wrong with the study of a folder; nothing if it is read.
+pub(crate) fn problems(folder: &Folder, profile: Option<&str>) -> Vec<Problem> {
+    match folder.read(profile) {
+        Err(Error::Problems { list }) => list,
+        _ => Vec::new(),
+    }
+}
+
+/// Asserts that there is a problem of a table, key and value, which says a word, such as a limit or a name, and stands at the line of
+/// the key.
+pub(crate) fn reports(study: &str, list: &[Problem], what: &str, word: &str) {
+    let mut found = list
+        .iter()
+        .filter(|p| p.what.contains(what) && p.problem.contains(word));
+    let found = found.next();
+    assert!(found.is_some(), "'{what}', '{word}' not in {list:#?}");
+    let Some(Problem { line, what, .. }) = found else {
+        return;
+    };
+    let key = what.split(" = ").next().unwrap_or_default();
+    let key = key
+        .trim_end_matches(']')
+        .rsplit([':', '.', ' ', '['])
+        .find(|key| key.parse::<usize>().is_err())
+        .unwrap_or_default();
+    let line = line.and_then(|line| study.lines().nth(line - 1));
+    let is_there = |line: &str| line.contains(key) || line.starts_with('[');
+    assert!(
+        line.is_none_or(is_there) && (line.is_some() || key == "study"),
+        "{key}: {line:?}"
+    );
+}
+
+/// Asserts of each change of the study, `from` one text `to` another or, without `from`, of more at its end, that it is refused.
+pub(crate) fn refuses(rows: &[(&str, &str, &str, &str)]) {
+    for (from, to, what, word) in rows {
+        let study = if from.is_empty() {
+            with(to)
+        } else {
+            changed(from, to)
+        };
+        reports(&study, &wrong(&study), what, word);
+    }
 }

@@ -104,7 +104,7 @@ scene.drum.changes = ["protocol.frames = 4"]
         (plain.settings.most_runs, quick.settings.most_runs),
         (Some(300), None)
     );
-    assert_eq!(quick.budget.core_hours, Some(2.0));
+    assert_eq!(quick.file.budget.core_hours, Some(2.0));
     assert!(
         plain.problem.effects.is_empty(),
         "an empty search switches the diagnosis off"
@@ -409,8 +409,8 @@ fn published_values_name_parameters_observables_and_effects() {
     })
     .concat();
     let study = right(&with(&more));
-    assert_eq!(study.compare.len(), 5);
-    assert_eq!(study.compare[4].sd, Some(0.1));
+    assert_eq!(study.file.compare.len(), 5);
+    assert_eq!(study.file.compare[4].sd, Some(0.1));
 }
 
 /// An input stands behind the parameters, acts where it says, and is what was stated, with a reach of three standard deviations; an

@@ -1,7 +1,6 @@
 //! Photos that cannot be read among others.
 
 use super::folder::{Folder, changed};
-use super::refused::tells;
 use dev_support::drawn_pictures::Scene;
 use study::{Error, Study};
 
@@ -51,7 +50,7 @@ fn a_damaged_photo_among_many_is_left_out_with_its_bias() {
     // Two digits are told.
     assert!((bound / (0.1020 * angle.sd) - 1.0).abs() < 0.06, "{told}");
     for word in [
-        "[[measured]] of 'drum'",
+        "drum @ rpm = 30",
         "005.png",
         "cannot be read",
         "fluctuation_deg",
@@ -63,23 +62,25 @@ fn a_damaged_photo_among_many_is_left_out_with_its_bias() {
 /// Six of 24 could move the mean by 0.58 standard deviations, more than its standard error: the names and the way out.
 #[test]
 fn too_many_damaged_photos_are_refused_by_name() {
-    let message = with_damage(24, &[0, 4, 8, 12, 16, 20], "")
-        .unwrap_err()
-        .to_string();
-    tells(
-        &message,
-        &[
-            "000.png",
-            "020.png",
-            "6 of 24 do not",
-            "standard errors off",
-            "photo = { ... }",
-            "take them out if",
-        ],
-    );
     let all: Vec<usize> = (0..24).collect();
-    let message = with_damage(24, &all, "").unwrap_err().to_string();
-    tells(&message, &["019.png", "and 4 more photos"]);
+    for (damaged, words) in [
+        (
+            &[0, 4, 8, 12, 16, 20][..],
+            &[
+                "000.png",
+                "020.png",
+                "6 of 24",
+                "standard errors",
+                "photo = { ... }",
+            ][..],
+        ),
+        (&all, &["019.png", "4 more photos"]),
+    ] {
+        let message = with_damage(24, damaged, "").unwrap_err().to_string();
+        for word in words {
+            assert!(message.contains(word), "'{word}': {message}");
+        }
+    }
 }
 
 /// The second picture of a pair is lost: the angle of the first stays. A series with a gap tells no time over the gap: the longest part
