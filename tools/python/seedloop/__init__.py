@@ -125,7 +125,7 @@ def simulate(
 
 
 def init(kind: str, out: PathLike = ".", **flags: Any) -> Answer:
-    """Write a commented study and its scene to start from (`seedloop init`).
+    """Write a commented study to start from, its scene, and the job script of a cluster (`seedloop init`).
 
     kind: ``drum``, ``heap`` or ``box``.
     out: the folder for the files.

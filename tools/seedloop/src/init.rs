@@ -18,7 +18,7 @@ enum Kind {
     Box,
 }
 
-/// Writes a commented study and its scene to start from
+/// Writes a commented study to start from, its scene, and the job script of a cluster
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Example:\n  seedloop init drum --out my-drum")]
 pub(crate) struct Arguments {
@@ -43,7 +43,7 @@ struct Report {
     files: Vec<PathBuf>,
 }
 
-/// Writes both files, or none where one of them exists.
+/// Writes all files, or none if one of them exists.
 ///
 /// # Errors
 /// Files that exist, a folder that cannot be made or written.

@@ -49,7 +49,7 @@ enum Command {
     Analyse(analyse::Arguments),
     /// Finds where a fitted surface meets a target: the whole set, its region, the nearest solutions
     Optimise(optimise::Arguments),
-    /// Writes a commented study and its scene to start from
+    /// Writes a commented study to start from, its scene, and the job script of a cluster
     Init(init::Arguments),
     /// Calibrates the parameters of a study on its measurements: screening, surfaces, solutions, check, diagnosis
     #[command(after_help = calibrate::EXAMPLE)]

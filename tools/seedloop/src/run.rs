@@ -15,7 +15,7 @@ use serde::Serialize;
 use simulators::scene_simulator::no_surface_of;
 use std::collections::BTreeMap;
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use study::{DesignChoices, DesignPlan, DesignRun, DesignTable};
 use study_report::{RunningCampaign, RunningPage};
 
@@ -180,18 +180,8 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         Err(code) => return Ok(code),
     };
     let file = folder.join("results.csv");
-    let text = table.results_csv(&outcomes);
-    // The folder was asked for: what lies in it may be renewed.
-    let table_written = write_new(&file, text.as_bytes(), Overwrite::Allow);
-    let is_workbook = table_file::is_workbook_name(&table_file::file_of(&arguments.design));
-    let workbook_written = if is_workbook {
-        let file = file.with_extension("xlsx");
-        table_file::bytes_for(&file, &text)
-            .map_err(Into::into)
-            .and_then(|bytes| write_new(&file, &bytes, Overwrite::Allow))
-    } else {
-        Ok(())
-    };
+    let [table_written, workbook_written] =
+        write_results(&file, &table.results_csv(&outcomes), &arguments.design);
     let [failed, refused] = tell_failures(table.runs(), &outcomes)?;
     let file = file.display().to_string();
     page.finish(
@@ -219,6 +209,22 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         }),
     ])?;
     Ok(if failed + refused == 0 { DONE } else { NOT_MET })
+}
+
+/// Writes the table of results, as a workbook too if the design is one. The folder was asked for: its files may be renewed.
+fn write_results(file: &Path, text: &str, design: &Path) -> [anyhow::Result<()>; 2] {
+    let workbook = || {
+        if !table_file::is_workbook_name(&table_file::file_of(design)) {
+            return Ok(());
+        }
+        let file = file.with_extension("xlsx");
+        let bytes = table_file::bytes_for(&file, text)?;
+        write_new(&file, &bytes, Overwrite::Allow)
+    };
+    [
+        write_new(file, text.as_bytes(), Overwrite::Allow),
+        workbook(),
+    ]
 }
 
 /// What the runs follow from.

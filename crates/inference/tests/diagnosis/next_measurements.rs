@@ -1,4 +1,5 @@
 //! What the first proposed measurement resolves: drawn ties whose truth is known, measured once more.
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use inference::diagnosis::{
     Condition, CovarianceInput, Diagnosis, ExperimentFile, Level, Options, Problem, ProblemFile,

@@ -1,4 +1,5 @@
 //! What the picture of a bed of the cotton study shows beside its spheres, and what faults of a camera change: docs/two-rulers.md.
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use dev_support::fixture_files::fixture;
 use image::codecs::jpeg::JpegEncoder;
