@@ -81,7 +81,8 @@ impl Surface {
         samples: &[&Sample],
         most: Degree,
     ) -> Option<Self> {
-        let varied = |j: &usize| samples.iter().any(|s| s.at[*j] != samples[0].at[*j]);
+        let first = samples.first()?;
+        let varied = |j: &usize| samples.iter().any(|s| s.at[*j] != first.at[*j]);
         let inputs = inputs.iter().copied().filter(varied);
         let parameters: Vec<usize> = tuned.iter().copied().chain(inputs).collect();
         let curved = tuned.len();
@@ -104,7 +105,7 @@ impl Surface {
             let crossed = coarsest.is_some() && degree != Degree::Constant;
             [Some((degree, crossed)), crossed.then_some((degree, false))]
         });
-        let symbols: Vec<String> = (0..points.first().map_or(0, Vec::len))
+        let symbols: Vec<String> = (0..points[0].len())
             .map(|j| format!("x{j}"))
             .collect();
         let weights = vec![1.0; points.len()];
