@@ -1,74 +1,23 @@
 //! A step in the flow takes no memory.
 
-use contact_law::{Material, NormalForceEnd, PairParameters};
-use dem_solver::{
-    DashpotMass, Interaction, InteractionSettings, Placement, Settings, Shape, Template, Wall,
-    World,
-};
-use geometry::clump::{Clump, Sphere, properties_of_spheres};
+use dem_solver::{DashpotMass, Placement, Template, World};
 use nalgebra::{UnitQuaternion, Vector3};
-
-/// Half of the side of the box, m.
-const HALF: f64 = 0.0125;
+use verification::worlds::{self, box_of_planes, clipped, cluster, settings, soft_surface};
 
 /// 64 seeds of two spheres in a box that is shaken by gravity along its diagonal, which turns about an axis.
 fn world() -> World {
-    let material = Material::new(0.25, 4e6).expect("the constants are possible");
-    let surface = InteractionSettings {
-        materials: [material; 2],
-        parameters: PairParameters {
-            restitution: 0.4,
-            static_friction: 0.4,
-            rolling_friction: 0.05,
-        },
-        attraction: 0.0,
-        end: NormalForceEnd::Clipped,
-    };
-    let surface = Interaction::new(&surface).expect("the parameters are possible");
-    let spheres = [-0.5e-3, 0.5e-3].map(|x| Sphere {
-        centre: Vector3::new(x, 0.0, 0.0),
-        radius: 1.5e-3,
-    });
-    let clump = Clump::new(&spheres, &properties_of_spheres(&spheres, 1000.0));
-    let seed = Template::new(&clump.expect("a body"), 0, DashpotMass::Body);
-    let planes = [-1.0, 1.0].into_iter().flat_map(|side| {
-        (0..3).map(move |axis| {
-            let mut inward = Vector3::zeros();
-            inward[axis] = -side;
-            (side, axis, inward)
-        })
-    });
-    let walls = planes.map(|(side, axis, inward)| {
-        let mut point = Vector3::zeros();
-        point[axis] = side * HALF;
-        Wall {
-            name: format!("{axis}{side}"),
-            shape: Shape::Plane {
-                point,
-                normal: inward,
-            },
-            material: 0,
-            spin: 0.0,
-        }
-    });
+    let seed = cluster(&[-0.5e-3, 0.5e-3].map(|x| ([x, 0.0, 0.0], 1.5e-3))).expect("a body");
     let starts = (0..64).map(|i| {
         let place = |k: u32| (f64::from(i / 4_i32.pow(k) % 4) - 1.5) * 5e-3;
         let centre = Vector3::new(place(0), place(1), place(2));
         Placement::at_rest(0, centre, UnitQuaternion::identity())
     });
-    let settings = Settings {
-        time_step: 2e-5,
-        gravity: Vector3::zeros(),
-        skin: 3e-4,
-        margin: 1e-3,
-    };
-    let starts: Vec<_> = starts.collect();
-    World::new(
-        settings,
-        vec![seed],
-        vec![surface],
-        walls.collect(),
-        &starts,
+    worlds::world(
+        settings(2e-5, Vector3::zeros(), 2e-3),
+        &clipped(soft_surface([0.4, 0.4, 0.05]).expect("possible")),
+        vec![Template::new(&seed, 0, DashpotMass::Body)],
+        box_of_planes(0.0125),
+        &starts.collect::<Vec<_>>(),
     )
     .expect("possible")
 }

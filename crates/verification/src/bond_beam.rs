@@ -19,7 +19,6 @@ const N: usize = 10;
 /// Radius of spheres and bonds, m.
 const RADIUS: f64 = 1e-3;
 
-/// The bonds.
 fn law(strength: Option<BondStrength>) -> BondSettings {
     BondSettings {
         normal_stiffness: 1e10,
@@ -115,12 +114,17 @@ pub(crate) fn beam() -> Result<Vec<Row>, CheckError> {
     let (_, turn, _) = loaded(zero, Vector3::x() * twist, None)?;
     let turned = twist * length / (shear * polar);
     rows.push(basis.row("torsion: T L / (G J)", "rad", turned, turn.x));
+    rows.extend(strength(&basis, area)?);
+    Ok(rows)
+}
 
+/// Bonds that break below and above the strength of a cross-section (m²).
+fn strength(basis: &Basis, area: f64) -> Result<[Row; 2], CheckError> {
     let whole = Basis {
         tolerance: Tolerance::Absolute(0.0),
         reason: "a count",
         source: "sigma_max A",
-        ..basis
+        ..*basis
     };
     let strength = BondStrength {
         tension: 1e5,
@@ -128,24 +132,18 @@ pub(crate) fn beam() -> Result<Vec<Row>, CheckError> {
     };
     let limit = strength.tension * area;
     // Dragged, the load does not overshoot; a twentieth is more than the swings of the bonds.
-    let (_, _, below) = loaded(Vector3::x() * (0.4 * limit), zero, Some(strength))?;
-    rows.push(whole.row(
-        "broken bonds at 0.4 of the strength",
-        "1",
-        0.0,
-        below as f64,
-    ));
-    let (_, _, above) = loaded(Vector3::x() * (1.05 * limit), zero, Some(strength))?;
+    let broken_at = |share: f64| -> Result<f64, CheckError> {
+        let force = Vector3::x() * (share * limit);
+        Ok(loaded(force, Vector3::zeros(), Some(strength))?.2 as f64)
+    };
     let broken = Basis {
         tolerance: Tolerance::Above,
         reason: "at least one",
         ..whole
     };
-    rows.push(broken.row(
-        "broken bonds at 1.05 of the strength",
-        "1",
-        0.0,
-        above as f64,
-    ));
-    Ok(rows)
+    let name = |share: f64| format!("broken bonds at {share} of the strength");
+    Ok([
+        whole.row(name(0.4), "1", 0.0, broken_at(0.4)?),
+        broken.row(name(1.05), "1", 0.0, broken_at(1.05)?),
+    ])
 }

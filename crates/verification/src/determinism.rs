@@ -2,19 +2,13 @@
 
 use crate::CheckError;
 use crate::row::{Basis, Kind, Row, Tolerance};
-use crate::worlds::{GRAVITY, cluster, plane, run, settings, soft_surface, world};
+use crate::worlds::{GRAVITY, box_of_planes, cluster, run, settings, soft_surface, world};
 use dem_solver::{DashpotMass, Placement, Template, World};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use probability::random_stream::Stream;
 
 /// Some fifty bodies in a box.
-pub(crate) fn shaken() -> Result<World, CheckError> {
-    let half = 0.0125;
-    let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
-    let walls = axes
-        .iter()
-        .flat_map(|axis| [plane(-axis * half, *axis), plane(axis * half, -axis)])
-        .collect();
+fn shaken() -> Result<World, CheckError> {
     let row = [-1.6e-3, 0.0, 1.6e-3].map(|x: f64| ([x, x * x * 200.0, 0.0], 1e-3));
     let template = Template::new(&cluster(&row)?, 0, DashpotMass::Sphere);
     let mut stream = Stream::new(5, "bits");
@@ -34,7 +28,7 @@ pub(crate) fn shaken() -> Result<World, CheckError> {
         settings(2e-5, Vector3::y() * -GRAVITY, 2e-3),
         &soft_surface([0.4, 0.4, 0.05])?,
         vec![template],
-        walls,
+        box_of_planes(0.0125),
         &starts,
     )
 }

@@ -7,7 +7,6 @@
 
 use std::f64::consts::PI;
 
-/// An impact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Impact {
     /// Reduced radius R*, m.

@@ -3,48 +3,34 @@
 use crate::CheckError;
 use crate::row::{Basis, Kind, Row, Tolerance};
 use contact_law::capillary_bridge::CapillaryBridge;
-use contact_law::johnson_kendall_roberts::JohnsonKendallRoberts;
 use contact_law::rolling_spring_dashpot::{RollingContact, RollingSpringDashpot};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Adhesion, liquid bridges, rolling resistance of type C.
+/// Liquid bridges, rolling resistance of type C.
 pub(crate) fn laws() -> Result<Vec<Row>, CheckError> {
     let basis = Basis {
         check: "laws",
         kind: Kind::Analytical,
-        tolerance: Tolerance::Relative(1e-5),
-        reason: "2000 places over a flat minimum",
-        source: "[JohnsonKendallRoberts1971]",
-    };
-    let (radius, work) = (1e-3, 0.05);
-    let law = JohnsonKendallRoberts::new(4e6, work)?;
-    let end = law.breaking_overlap(radius);
-    let deepest = (0..2000)
-        .map(|k| law.force(end * (1.0 - f64::from(k) / 1000.0), radius, true))
-        .fold(f64::INFINITY, f64::min);
-    let mut rows = vec![basis.row(
-        "JKR: pull-off, 3/2 pi W R",
-        "N",
-        1.5 * PI * work * radius,
-        -deepest,
-    )];
-
-    let bridge = CapillaryBridge::new(0.072, 0.0)?;
-    let water = Basis {
-        source: "[Willett2000]",
+        tolerance: Tolerance::Relative(1e-12),
         reason: "rounding",
-        ..basis
+        source: "[Willett2000]",
     };
+    let radius = 1e-3;
+    let bridge = CapillaryBridge::new(0.072, 0.0)?;
     let touching = bridge.between(radius).attraction(0.0, 1e-12);
-    rows.push(water.row(
+    let mut rows = vec![basis.row(
         "water bridge at touch, 2 pi R g",
         "N",
         2.0 * PI * radius * 0.072,
         touching,
-    ));
+    )];
+    rows.extend(wheel(&basis, radius)?);
+    Ok(rows)
+}
 
-    // A wheel of moment I on a contact that turns: the limit torque stops it in w I / (mu F R).
+/// A wheel of moment I on a contact that turns: the limit torque stops it in w I / (mu F R).
+fn wheel(basis: &Basis, radius: f64) -> Result<[Row; 2], CheckError> {
     let law = RollingSpringDashpot::new(0.1, 0.3, 2.25)?;
     let inertia = 1e-9;
     let contact = |spin: f64| RollingContact {
@@ -74,19 +60,19 @@ pub(crate) fn laws() -> Result<Vec<Row>, CheckError> {
         tolerance: Tolerance::Relative(0.005),
         reason: "while the spring loads, the dashpot takes 0.3 % of the spin",
         source: "w I / (mu_r F R*); [Ai2011, type C]",
-        ..basis
+        ..*basis
     };
-    rows.push(wheel.row("type C: time until a wheel stops", "s", time, stopped));
     let rest = Basis {
         tolerance: Tolerance::Absolute(1e-6),
         reason: "decay over 0.05 s with 1400 per second",
         ..wheel
     };
-    rows.push(rest.row(
+    let (stops, rests) = (
+        "type C: time until a wheel stops",
         "type C: torque left at rest over its limit",
-        "1",
-        0.0,
-        last / limit,
-    ));
-    Ok(rows)
+    );
+    Ok([
+        wheel.row(stops, "s", time, stopped),
+        rest.row(rests, "1", 0.0, last / limit),
+    ])
 }

@@ -8,6 +8,7 @@
 mod agglomerate;
 mod bond_beam;
 mod chung_ooi;
+mod cohesion;
 mod determinism;
 mod energy_ledger;
 mod free_rotation;
@@ -20,10 +21,11 @@ mod restitution;
 mod rolling;
 mod row;
 mod size_ratio;
+mod spinning_wall;
 mod suite;
 mod walls;
 mod whole_seed;
-mod worlds;
+pub mod worlds;
 
 pub use page::page;
 pub use row::{Kind, Row, Tolerance};

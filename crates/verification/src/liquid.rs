@@ -66,7 +66,6 @@ fn mass() -> f64 {
     DENSITY * 4.0 / 3.0 * PI * RADIUS.powi(3)
 }
 
-/// All checks of bridges.
 pub(crate) fn bridges() -> Result<Vec<Row>, CheckError> {
     let mut rows = rupture()?;
     rows.push(drawing_apart()?);

@@ -10,8 +10,6 @@ pub enum Kind {
     /// An independent integration of the same law, or another code.
     #[serde(rename = "Cross-code")]
     CrossCode,
-    /// A published number.
-    Published,
     /// A sign or an order only.
     Trend,
 }
@@ -22,7 +20,6 @@ impl Kind {
         match self {
             Self::Analytical => "Analytical",
             Self::CrossCode => "Cross-code",
-            Self::Published => "Published",
             Self::Trend => "Trend",
         }
     }
@@ -84,13 +81,10 @@ impl Row {
 pub(crate) struct Basis {
     /// Name of the check.
     pub(crate) check: &'static str,
-    /// Kind.
     pub(crate) kind: Kind,
-    /// Tolerance.
     pub(crate) tolerance: Tolerance,
     /// Why so far.
     pub(crate) reason: &'static str,
-    /// Source.
     pub(crate) source: &'static str,
 }
 

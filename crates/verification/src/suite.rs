@@ -1,8 +1,9 @@
 //! The list of checks.
 
 use crate::{
-    CheckError, Error, Row, agglomerate, bond_beam, chung_ooi, determinism, energy_ledger,
-    free_rotation, laws, liquid, maw, restitution, rolling, size_ratio, walls, whole_seed,
+    CheckError, Error, Row, agglomerate, bond_beam, chung_ooi, cohesion, determinism,
+    energy_ledger, free_rotation, laws, liquid, maw, restitution, rolling, size_ratio,
+    spinning_wall, walls, whole_seed,
 };
 
 /// A check: some rows that one computation gives.
@@ -10,7 +11,6 @@ use crate::{
 pub struct Check {
     /// Name, as `--only` takes it.
     pub name: &'static str,
-    /// The computation.
     compute: fn() -> Result<Vec<Row>, CheckError>,
 }
 
@@ -35,9 +35,11 @@ pub fn suite() -> Vec<Check> {
         check("energy-ledger", energy_ledger::running_drum),
         check("mesh-wall", walls::mesh_and_analytic),
         check("moving-wall", walls::moving),
+        check("spinning-wall", spinning_wall::spinning),
         check("bond-beam", bond_beam::beam),
         check("size-ratio", size_ratio::three_spheres),
         check("laws", laws::laws),
+        check("cohesion-by-area", cohesion::cohesion),
         check("liquid-bridge", liquid::bridges),
         check("determinism", determinism::same_bits),
     ]

@@ -3,20 +3,12 @@
 //! What LIGGGHTS 3.8 gave for the decks of `fixtures/liggghts-pairs` is kept here, and every test run holds the solver to it.
 //! `trials/programs.sh liggghts-pairs` runs LIGGGHTS itself.
 
-use contact_law::{
-    CapillaryBridge, LinearCohesion, Material, NormalForceEnd, PairParameters, ViscousBridge,
-};
-use dem_solver::{
-    DashpotMass, Interaction, InteractionSettings, OptionalLaws, Placement, Settings, Template,
-    World,
-};
+use contact_law::{CapillaryBridge, LinearCohesion, NormalForceEnd, ViscousBridge};
+use dem_solver::{Interaction, InteractionSettings, OptionalLaws, World};
 use dev_support::fixture_files::fixture;
-use geometry::clump::Clump;
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 use std::process::Command;
-
-/// Radius of the spheres, m.
-const RADIUS: f64 = 2e-3;
+use verification::worlds::{DENSITY, RADIUS, ball, elastic, settings, surface, thrown};
 
 /// Velocity (m/s) and spin about z (rad/s) of a sphere.
 type State = [f64; 3];
@@ -40,33 +32,19 @@ fn states<const N: usize>(
     further: &OptionalLaws,
     steps: usize,
 ) -> [State; N] {
-    let material = Material::new(0.25, 1e7 / 2.5).expect("elastic constants");
-    let settings = InteractionSettings {
-        materials: [material; 2],
-        parameters: PairParameters {
-            restitution: 0.9,
-            static_friction,
-            rolling_friction: 0.0,
-        },
-        attraction: 0.0,
+    let material = elastic(1e7, 0.25).expect("elastic constants");
+    let sides = InteractionSettings {
         end,
+        ..surface([material; 2], [0.9, static_friction, 0.0])
     };
-    let surface = Interaction::new(&settings)
-        .expect("a surface")
-        .with(further);
-    let ball = Clump::sphere(RADIUS, 1000.0).expect("a sphere");
+    let surface = Interaction::new(&sides).expect("a surface").with(further);
     // So much that the bridge is a sea, as LIGGGHTS takes it.
-    let ball = Template::new(&ball, 0, DashpotMass::Body).with_liquid(1e-2);
-    let start = |x: f64, y: f64| Placement {
-        velocity: Vector3::x() * (-0.25 * x.signum()),
-        ..Placement::at_rest(0, Vector3::new(x, y, 0.0), UnitQuaternion::identity())
+    let ball = ball(RADIUS, DENSITY).expect("a sphere").with_liquid(1e-2);
+    let start = |x: f64, y: f64| {
+        let velocity = Vector3::x() * (-0.25 * x.signum());
+        thrown(0, Vector3::new(x, y, 0.0), velocity)
     };
-    let settings = Settings {
-        time_step: 1e-7,
-        gravity: Vector3::zeros(),
-        skin: 3e-4,
-        margin: 1e-3,
-    };
+    let settings = settings(1e-7, Vector3::zeros(), RADIUS);
     let starts = [start(-0.00201, 0.001), start(0.00201, 0.0)];
     let mut world =
         World::new(settings, vec![ball], vec![surface], vec![], &starts).expect("a world");

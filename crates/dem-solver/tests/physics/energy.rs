@@ -1,12 +1,13 @@
 //! Energy of bodies that collide.
 
 use crate::scene::{
-    asymmetric_clump, box_of_planes, plane, rough, run, scattered, seed_and_block_with, settings,
-    smooth, sticky, world,
+    box_of_planes, plane, rough, run, scattered, seed_and_block_with, settings, smooth, sticky,
+    world,
 };
 use dem_solver::{DashpotMass, InteractionSettings, Placement, Template, World};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use probability::random_stream::Stream;
+use verification::worlds::asymmetric;
 
 fn no_contact(world: &World) -> bool {
     world.census().sphere_contacts + world.n_wall_contacts() == 0
@@ -14,7 +15,7 @@ fn no_contact(world: &World) -> bool {
 
 /// Change of the kinetic energy, relative, when an unsymmetrical body meets an elastic plane.
 fn error_of_an_impact(time_step: f64, stream: &mut Stream) -> f64 {
-    let template = Template::new(&asymmetric_clump(), 0, DashpotMass::Body);
+    let template = Template::new(&asymmetric().expect("a body"), 0, DashpotMass::Body);
     let [w, i, j, k] = stream.rotation();
     let start = Placement {
         template: 0,

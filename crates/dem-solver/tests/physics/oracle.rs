@@ -6,11 +6,8 @@
 //! list is made anew, separates them by the size of a contact force.
 
 use crate::scene::{
-    ball, box_of_planes, cluster, interaction, rough, run, scattered, seed_and_block,
+    ball, box_of_planes, cluster, every_law, interaction, rough, run, scattered, seed_and_block,
     seed_and_block_with, smooth, sticky, wet_bridge, wetted, world,
-};
-use contact_law::{
-    LinearCohesion, RateDependentFriction, RollingLever, RollingSpringDashpot, ViscoelasticDamping,
 };
 use dem_solver::{
     DashpotMass, MeshWall, Motion, OptionalLaws, Placement, Settings, Shape, Template, Vibration,
@@ -190,18 +187,12 @@ fn loads_are_those_of_the_plain_loop_in_a_drum() {
     );
 }
 
-/// All further laws at once: rolling springs and bridges remember, and a bridge lives on beyond the touch,
-/// so that a list that ends at the touch would lose it.
+/// All further laws at once: a list that ends at the contact would lose a bridge.
 #[test]
 fn loads_are_those_of_the_plain_loop_with_every_law() {
     let further = OptionalLaws {
-        viscoelastic: ViscoelasticDamping::new(0.7, 1e-5).ok(),
-        rate_dependent: RateDependentFriction::new(-0.5, 0.05).ok(),
-        rolling_spring: RollingSpringDashpot::new(0.2, 0.3, 2.25).ok(),
-        rolling_lever: RollingLever::Sphere,
-        linear_cohesion: LinearCohesion::new(1e4).ok(),
-        bridge: Some(wet_bridge()),
         pull: 0.5,
+        ..every_law()
     };
     let surface = interaction(&sticky()).with(&further);
     let starts = fallen(1.0, drum(1.0));
@@ -233,15 +224,7 @@ fn loads_are_those_of_the_plain_loop_with_every_law() {
 /// of their own, and a bridge outlives the touch for them too.
 #[test]
 fn loads_are_those_of_the_plain_loop_for_plain_spheres() {
-    let wet = OptionalLaws {
-        viscoelastic: Some(ViscoelasticDamping::new(0.7, 1e-5).expect("possible")),
-        rate_dependent: Some(RateDependentFriction::new(-0.5, 0.05).expect("possible")),
-        rolling_spring: Some(RollingSpringDashpot::new(0.2, 0.3, 2.25).expect("possible")),
-        rolling_lever: RollingLever::Sphere,
-        linear_cohesion: LinearCohesion::new(1e4).ok(),
-        bridge: Some(wet_bridge()),
-        pull: 0.0,
-    };
+    let wet = every_law();
     let places = fallen(1.0, drum(1.0));
     // Of two materials, so that neighbours in a list have different laws.
     let small = cluster(&[([0.0; 3], 1e-3)], 1, DashpotMass::Body);
@@ -329,7 +312,7 @@ fn loads_are_those_of_the_plain_loop_at_a_moving_mesh() {
     }
 }
 
-/// Walls of which one is no surface of revolution: a plate in the bed.
+/// Walls of which one is not a surface of revolution: a plate in the bed.
 #[test]
 fn loads_are_those_of_the_plain_loop_at_a_plate() {
     let mut walls = drum(1.0);

@@ -1,12 +1,10 @@
 //! The same input gives the same bits.
 
 use crate::scene::{
-    ball, box_of_planes, interaction, run, scattered, seed_and_block, settings, sticky, wet_bridge,
-    wetted, world,
+    ball, box_of_planes, every_law, interaction, run, scattered, seed_and_block, settings, sticky,
+    wet_bridge, wetted, world,
 };
-use contact_law::{
-    LinearCohesion, RateDependentFriction, RollingLever, RollingSpringDashpot, ViscoelasticDamping,
-};
+use contact_law::RollingLever;
 use dem_solver::{MeshWall, Motion, OptionalLaws, Placement, Template, World};
 use nalgebra::Vector3;
 use probability::random_stream::Stream;
@@ -72,22 +70,6 @@ fn bits(world: &World) -> Vec<u64> {
         .collect()
 }
 
-#[test]
-fn two_runs_of_one_input_have_the_same_bits() {
-    for filling in FILLINGS {
-        let mut worlds = [shaken(filling), shaken(filling)];
-        for world in &mut worlds {
-            let mut seen = 0;
-            for _ in 0..100 {
-                run(world, 30);
-                seen += world.census().sphere_contacts + world.n_wall_contacts();
-            }
-            assert!(seen > 100, "the bodies hardly meet: {seen} contacts");
-        }
-        assert_eq!(bits(&worlds[0]), bits(&worlds[1]));
-    }
-}
-
 /// A copy carries everything that decides the future: lists, slips, and the way since the search.
 #[test]
 fn copy_of_a_world_has_the_same_future() {
@@ -138,13 +120,8 @@ fn threads_change_no_bit() {
 /// A world with every law on, and a wall of triangles on its way.
 fn with_all_laws(filling: Filling) -> World {
     let further = OptionalLaws {
-        viscoelastic: ViscoelasticDamping::new(0.7, 1e-5).ok(),
-        rate_dependent: RateDependentFriction::new(-0.5, 0.05).ok(),
-        rolling_spring: RollingSpringDashpot::new(0.2, 0.3, 2.25).ok(),
         rolling_lever: RollingLever::Centre,
-        linear_cohesion: LinearCohesion::new(1e4).ok(),
-        bridge: Some(wet_bridge()),
-        pull: 0.0,
+        ..every_law()
     };
     let (templates, starts) = filling();
     let settings = settings(2e-5, Vector3::new(0.0, -9.81, 0.0));
@@ -201,7 +178,7 @@ fn a_world_goes_on_from_a_snapshot_with_the_same_bits() {
     }
 }
 
-/// Where the bodies stand in memory is no physics: sorted, or backwards, which exchanges the sides of every pair, each
+/// Where the bodies stand in memory does not change the physics: sorted, or backwards, which exchanges the sides of every pair, each
 /// feels the same force and torque in the next step, with every law on. Sums in another order differ by rounding: some
 /// 1e-16 for each of ten contacts, of forces up to a thousand times the one that is left.
 #[test]

@@ -1,67 +1,35 @@
 //! Worlds for the tests: surfaces, bodies, walls, starts.
 
 use contact_law::{
-    BridgeForce, CapillaryBridge, Material, NormalForceEnd, PairParameters, ViscousBridge,
+    BridgeForce, CapillaryBridge, LinearCohesion, NormalForceEnd, RateDependentFriction,
+    RollingLever, RollingSpringDashpot, ViscoelasticDamping, ViscousBridge,
 };
 use dem_solver::{
-    DashpotMass, Interaction, InteractionSettings, Placement, Settings, Shape, Template, Wall,
-    World,
+    DashpotMass, Interaction, InteractionSettings, OptionalLaws, Placement, Settings, Template,
+    Wall, World,
 };
-use geometry::clump::{Clump, MassProperties, Sphere, properties_of_spheres};
-use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use probability::random_stream::Stream;
+use verification::worlds::{self, DENSITY, soft_surface};
+pub(crate) use verification::worlds::{box_of_planes, plane};
 
-/// Density of all bodies, kg/m³.
-pub(crate) const DENSITY: f64 = 1000.0;
-
-/// Acceleration of gravity, m/s².
-pub(crate) const GRAVITY: f64 = 9.81;
-
-/// The material of all bodies and walls: soft, so that a contact lasts many time steps.
-pub(crate) fn material() -> Material {
-    Material::new(0.25, 4e6).expect("the constants are possible")
-}
-
-/// A surface that neither damps nor rubs nor sticks.
+/// A surface that neither damps nor rubs nor sticks; soft, so that a contact lasts many time steps.
 pub(crate) fn smooth() -> InteractionSettings {
-    InteractionSettings {
-        materials: [material(); 2],
-        parameters: PairParameters {
-            restitution: 1.0,
-            static_friction: 0.0,
-            rolling_friction: 0.0,
-        },
-        attraction: 0.0,
-        end: NormalForceEnd::Attractive,
-    }
+    rough(1.0, 0.0)
 }
 
 /// A surface with a restitution and a static friction.
 pub(crate) fn rough(restitution: f64, static_friction: f64) -> InteractionSettings {
-    let parameters = PairParameters {
-        restitution,
-        static_friction,
-        rolling_friction: 0.0,
-    };
-    InteractionSettings {
-        parameters,
-        ..smooth()
-    }
+    soft_surface([restitution, static_friction, 0.0]).expect("the constants are possible")
 }
 
 /// A surface with everything that the laws know; the attraction (N) is a tenth of the weight of
 /// a body of 0.3 g.
 pub(crate) fn sticky() -> InteractionSettings {
-    let parameters = PairParameters {
-        restitution: 0.4,
-        static_friction: 0.4,
-        rolling_friction: 0.05,
-    };
     InteractionSettings {
-        parameters,
         attraction: 3e-4,
         end: NormalForceEnd::Clipped,
-        ..smooth()
+        ..soft_surface([0.4, 0.4, 0.05]).expect("the constants are possible")
     }
 }
 
@@ -72,12 +40,7 @@ pub(crate) fn interaction(settings: &InteractionSettings) -> Interaction {
 
 /// Settings with lists that suit bodies of some millimetres; the time step in s.
 pub(crate) fn settings(time_step: f64, gravity: Vector3<f64>) -> Settings {
-    Settings {
-        time_step,
-        gravity,
-        skin: 3e-4,
-        margin: 1e-3,
-    }
+    worlds::settings(time_step, gravity, 2e-3)
 }
 
 /// Bridges of a liquid ten times as viscous as water, between surfaces of a mean radius of 1 mm.
@@ -85,6 +48,19 @@ pub(crate) fn wet_bridge() -> BridgeForce {
     let bridge = CapillaryBridge::new(0.07, 0.1).expect("water");
     let viscous = ViscousBridge::new(0.01, 1e-5).expect("syrup");
     bridge.between(1e-3).with_viscosity(viscous.between(1e-3))
+}
+
+/// All further laws at once; rolling springs and bridges remember, and a bridge lives on beyond the contact.
+pub(crate) fn every_law() -> OptionalLaws {
+    OptionalLaws {
+        viscoelastic: ViscoelasticDamping::new(0.7, 1e-5).ok(),
+        rate_dependent: RateDependentFriction::new(-0.5, 0.05).ok(),
+        rolling_spring: RollingSpringDashpot::new(0.2, 0.3, 2.25).ok(),
+        rolling_lever: RollingLever::Sphere,
+        linear_cohesion: LinearCohesion::new(1e4).ok(),
+        bridge: Some(wet_bridge()),
+        pull: 0.0,
+    }
 }
 
 /// Body types that carry liquid, as much as gives bridges of 10 nl between two that have few.
@@ -95,8 +71,7 @@ pub(crate) fn wetted(templates: Vec<Template>) -> Vec<Template> {
 
 /// A single sphere of a radius (m), whose dashpots see its mass.
 pub(crate) fn ball(radius: f64) -> Template {
-    let clump = Clump::sphere(radius, DENSITY).expect("the radius is positive");
-    Template::new(&clump, 0, DashpotMass::Body)
+    worlds::ball(radius, DENSITY).expect("the radius is positive")
 }
 
 /// A body of spheres (centre and radius in m) with the mass of these.
@@ -105,19 +80,8 @@ pub(crate) fn cluster(
     material: usize,
     dashpot_mass: DashpotMass,
 ) -> Template {
-    let spheres: Vec<_> = spheres
-        .iter()
-        .map(|&(c, radius)| Sphere {
-            centre: Vector3::from(c),
-            radius,
-        })
-        .collect();
-    let clump = Clump::new(&spheres, &properties_of_spheres(&spheres, DENSITY));
-    Template::new(
-        &clump.expect("the spheres are proper"),
-        material,
-        dashpot_mass,
-    )
+    let clump = worlds::cluster(spheres).expect("the spheres are proper");
+    Template::new(&clump, material, dashpot_mass)
 }
 
 /// A seed of five spheres in a bent row, `size` times 2 mm thick, of material 0, and a block of
@@ -187,28 +151,6 @@ pub(crate) fn scattered(
     placements
 }
 
-/// A plane through a point (m).
-pub(crate) fn plane(point: Vector3<f64>, normal: Vector3<f64>) -> Wall {
-    let shape = Shape::Plane {
-        point,
-        normal: normal.normalize(),
-    };
-    Wall {
-        name: "plane".into(),
-        shape,
-        material: 0,
-        spin: 0.0,
-    }
-}
-
-/// A box of six planes about the origin; half edge in m.
-pub(crate) fn box_of_planes(half: f64) -> Vec<Wall> {
-    let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
-    axes.iter()
-        .flat_map(|axis| [plane(-axis * half, *axis), plane(axis * half, -axis)])
-        .collect()
-}
-
 /// A world whose two materials have one surface.
 pub(crate) fn world(
     settings: Settings,
@@ -223,35 +165,5 @@ pub(crate) fn world(
 
 /// Moves a world by a number of steps.
 pub(crate) fn run(world: &mut World, n_steps: usize) {
-    for _ in 0..n_steps {
-        world.step().expect("the time step is small enough");
-    }
-}
-
-/// Overlap at which a plane carries the weight of a ball of some radius (m), m.
-pub(crate) fn resting_overlap(radius: f64, gravity: f64) -> f64 {
-    let clump = Clump::sphere(radius, DENSITY).expect("the radius is positive");
-    let young = contact_law::material::effective_moduli(&material(), &material()).young;
-    (0.75 * clump.mass() * gravity / (young * radius.sqrt())).powf(2.0 / 3.0)
-}
-
-/// A body of three different moments of inertia, made of two crossed pairs of spheres.
-pub(crate) fn asymmetric_clump() -> Clump {
-    let sphere = |x, y| Sphere {
-        centre: Vector3::new(x, y, 0.0),
-        radius: 1e-3,
-    };
-    let spheres = [
-        sphere(3e-3, 0.0),
-        sphere(-3e-3, 0.0),
-        sphere(0.0, 1.5e-3),
-        sphere(0.0, -1.5e-3),
-    ];
-    let inertia = Matrix3::from_diagonal(&Vector3::new(1e-10, 2e-10, 2.7e-10));
-    let properties = MassProperties {
-        mass: 3e-5,
-        centre: Vector3::zeros(),
-        inertia,
-    };
-    Clump::new(&spheres, &properties).expect("the spheres are proper")
+    worlds::run(world, n_steps).expect("the time step is small enough");
 }
