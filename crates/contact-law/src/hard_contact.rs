@@ -28,7 +28,7 @@ pub struct Impact {
     pub young: f64,
     /// Speed, m/s.
     pub speed: f64,
-    /// Dashpots that know the mass of the whole body; none where each sphere damps with its own.
+    /// Dashpots that know the mass of the whole body; none if each sphere damps with its own.
     pub dashpots: Option<BodyDashpots>,
 }
 

@@ -281,13 +281,5 @@ pub(crate) fn damping_factor(restitution: f64) -> f64 {
     2.0 * (5.0_f64 / 6.0).sqrt() * damping_ratio(restitution)
 }
 
-/// Time step of the Rayleigh wave over a sphere, pi R sqrt(rho/G) / (0.1631 nu + 0.8766), s.
-///
-/// A usual yardstick, not a stability limit of this solver. `[ThorntonRandall1988]`
-pub fn rayleigh_time_step(radius: f64, density: f64, material: &crate::Material) -> f64 {
-    std::f64::consts::PI * radius * (density / material.shear_modulus).sqrt()
-        / (0.1631 * material.poisson_ratio + 0.8766)
-}
-
 #[cfg(test)]
 mod tests;

@@ -5,8 +5,7 @@
 //! [`rolling_constant_torque`] and [`rolling_spring_dashpot`] (rolling resistance, types A and C) with the arm of
 //! [`rolling_lever`],
 //! [`constant_attraction`] and [`linear_cohesion`] (cohesion), [`capillary_bridge`] and [`viscous_bridge`] (liquid bridges). With forces added to a
-//! step: [`bond`] (bonded agglomerates). As a function only, not offered by the force loop:
-//! [`johnson_kendall_roberts`] (dry adhesion). [`material`] holds the elastic constants of the two sides,
+//! step: [`bond`] (bonded agglomerates). [`material`] holds the elastic constants of the two sides,
 //! [`hard_contact`] the time step that they allow.
 //! Nothing here knows bodies, lists or time stepping.
 //!
@@ -31,7 +30,6 @@ pub mod capillary_bridge;
 pub mod constant_attraction;
 pub mod hard_contact;
 pub mod hertz_mindlin;
-pub mod johnson_kendall_roberts;
 pub mod linear_cohesion;
 pub mod material;
 pub mod rate_dependent_friction;

@@ -14,7 +14,6 @@ mod axis_tilt;
 mod camera_perspective;
 mod camera_roll;
 mod cohesion;
-mod cover_friction;
 mod drive_ripple;
 mod drive_slip;
 mod dry_adhesion;
@@ -30,12 +29,12 @@ mod seed_count;
 mod seed_size;
 mod session_drift;
 mod shape_mix;
-mod shell_friction;
 mod shell_wear;
 mod size_spread;
 mod softened_stiffness;
 mod speed_dependent_restitution;
 mod wall_charge;
+mod wall_friction;
 mod walls;
 mod whole_seed_damping;
 
@@ -149,9 +148,9 @@ pub static LIBRARY: [Effect; 28] = [
     shape_mix::EFFECT,
     seed_count::EFFECT,
     air_drag::EFFECT,
-    shell_friction::EFFECT,
+    wall_friction::SHELL,
     shell_wear::EFFECT,
-    cover_friction::EFFECT,
+    wall_friction::COVER,
     wall_charge::EFFECT,
     plate_give::EFFECT,
     axis_tilt::EFFECT,

@@ -70,6 +70,5 @@ pub use repair::{Changes, Lid, Rebuilt, Repair};
 pub use report::{MeshReport, Warning};
 pub use sampling::SurfaceSample;
 pub use signed_distance::{SignedDistance, SurfacePoint};
-pub use stl::{parse_stl, read_stl};
 pub use voxels::VoxelStack;
 pub use winding::winding_number;

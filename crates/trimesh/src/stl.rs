@@ -7,30 +7,8 @@
 mod ascii;
 mod binary;
 
+use crate::Error;
 use crate::soup::Soup;
-use crate::{CheckedMesh, Error, LengthUnit, Repair};
-use std::path::Path;
-
-/// Reads and checks an STL file whose numbers are in `unit`.
-///
-/// # Errors
-///
-/// The file cannot be read, is no whole STL, or holds no body; see [`Error`].
-pub fn read_stl(path: &Path, unit: LengthUnit) -> Result<CheckedMesh, Error> {
-    let (name, bytes) = crate::soup::bytes_of(path)?;
-    parse_stl(bytes, unit, &name)
-}
-
-/// Reads and checks the bytes of an STL file; `file` names it in messages.
-///
-/// # Errors
-///
-/// The bytes are no whole STL or hold no body; see [`Error`].
-pub fn parse_stl(bytes: Vec<u8>, unit: LengthUnit, file: &str) -> Result<CheckedMesh, Error> {
-    let soup = stl_soup(&bytes, file)?;
-    drop(bytes);
-    soup.check(unit, file, &Repair::default())
-}
 
 /// Loose triangles of the bytes of an STL file.
 pub(crate) fn stl_soup(bytes: &[u8], file: &str) -> Result<Soup, Error> {
@@ -41,7 +19,7 @@ pub(crate) fn stl_soup(bytes: &[u8], file: &str) -> Result<Soup, Error> {
     }
     let length = bytes.len() as u64;
     match binary::declared_triangles(bytes) {
-        // Four characters of a text read as a count take gigabytes: what fits is no text.
+        // Four characters of a text read as a count take gigabytes: what fits is not text.
         Some(n) if binary::length_for(n) <= length => binary::triangles(bytes, n, file),
         _ if ascii::looks_like_text(bytes) => ascii::triangles(bytes, file),
         // Fewer than 84 bytes declare nothing.

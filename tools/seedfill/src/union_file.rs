@@ -6,7 +6,7 @@ use command_line::significant;
 use nalgebra::Vector3;
 use serde::Serialize;
 use sphere_fill::{Filling, union_surface};
-use trimesh::{CheckedMesh, parse_stl};
+use trimesh::{CheckedMesh, parse_mesh};
 
 /// Cells in the radius of the smallest sphere where no cell is given: the volume is then within 1 % of the
 /// union's (single balls lack up to 0.8 %, cells that bridge touching ones add), and 132 equal spheres take
@@ -53,7 +53,7 @@ impl UnionFile {
         let soup = union_surface(&filling.spheres, cell)?;
         let name = file.display().to_string();
         let bytes = binary_stl(&soup, metre)?;
-        let read = parse_stl(bytes.clone(), unit, &name);
+        let read = parse_mesh(bytes.clone(), unit, &name);
         let volume = read.ok().filter(|read| is_as_written(read, soup.len()));
         let (shells, volume) = volume
             .and_then(|read| Some((read.report.shells, read.report.volume?)))

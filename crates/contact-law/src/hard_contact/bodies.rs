@@ -88,7 +88,6 @@ struct Partner {
 }
 
 impl Partner {
-    /// A body that is turned.
     fn turned(body: &Clump, turn: &UnitQuaternion<f64>) -> Self {
         let turned = |s: &Sphere| Sphere {
             centre: turn * s.centre,

@@ -19,10 +19,9 @@ fn law(restitution: f64, static_friction: f64, end: NormalForceEnd) -> HertzMind
     HertzMindlin::new(effective_moduli(&seed, &seed), &parameters, end).unwrap()
 }
 
-/// Head-on collision of two equal spheres; returns the ratio of the speeds and the duration.
-fn collide(law: &HertzMindlin, speed: f64) -> (f64, f64) {
+/// Ratio of the speeds after and before a head-on collision of two equal spheres.
+fn collide(law: &HertzMindlin, speed: f64) -> f64 {
     let (mut overlap, mut approach, step) = (0.0_f64, speed, 1e-8);
-    let mut time = 0.0;
     loop {
         let geometry = ContactGeometry {
             overlap: overlap.max(1e-15),
@@ -38,20 +37,9 @@ fn collide(law: &HertzMindlin, speed: f64) -> (f64, f64) {
         );
         approach -= force.normal / (MASS / 2.0) * step;
         overlap += approach * step;
-        time += step;
         if overlap <= 0.0 {
-            return (-approach / speed, time);
+            return -approach / speed;
         }
-    }
-}
-
-/// The damping formula returns the restitution that was put in, if the dashpot may pull; the
-/// tolerance 0.002 covers the first-order integration at 1e-8 s (halving it halves the error).
-#[test]
-fn restitution_comes_back_with_an_attractive_end() {
-    for e in [0.06, 0.18, 0.42, 0.9] {
-        let (got, _) = collide(&law(e, 0.0, NormalForceEnd::Attractive), 0.1);
-        assert!((got - e).abs() < 0.002, "in {e}, out {got}");
     }
 }
 
@@ -60,7 +48,7 @@ fn restitution_comes_back_with_an_attractive_end() {
 #[test]
 fn restitution_is_higher_with_a_clipped_end() {
     for (e, expected) in [(0.01, 0.173), (0.06, 0.222), (0.18, 0.311), (0.42, 0.487)] {
-        let (got, _) = collide(&law(e, 0.0, NormalForceEnd::Clipped), 0.1);
+        let got = collide(&law(e, 0.0, NormalForceEnd::Clipped), 0.1);
         assert!((got - expected).abs() < 0.002, "in {e}, out {got}");
     }
 }
@@ -85,22 +73,6 @@ fn a_share_of_the_pull_is_kept() {
     assert_eq!(normal(attractive, 0.25, -1.0), pull);
     assert_eq!(normal(clipped, 0.0, -1.0), 0.0);
     assert_eq!(normal(clipped, 0.25, 1.0), normal(attractive, 0.0, 1.0));
-}
-
-/// Hertz's contact time 2.94 (15 m* / (16 sqrt(R*) E*))^(2/5) v^(-1/5); 2.9432 is the value of
-/// the integral; 0.2 % covers the step of 1e-8 s against a contact of about 1e-4 s.
-#[test]
-fn undamped_contact_lasts_as_long_as_hertz_says() {
-    let seed = Material::new(0.14, 4.01e6).unwrap();
-    let young = effective_moduli(&seed, &seed).young;
-    let speed: f64 = 0.1;
-    let base: f64 = 15.0 * (MASS / 2.0) / (16.0 * (RADIUS / 2.0).sqrt() * young);
-    let expected = 2.9432 * base.powf(0.4) * speed.powf(-0.2);
-    let (_, time) = collide(&law(1.0, 0.0, NormalForceEnd::Clipped), speed);
-    assert!(
-        (time / expected - 1.0).abs() < 0.002,
-        "{time} against {expected}"
-    );
 }
 
 /// Coulomb: the tangential force never exceeds `mu F_n` and points against the sliding.
@@ -280,7 +252,7 @@ fn viscoelastic_damping_loses_half_at_a_thirtysecond_of_the_speed() {
         base.powf(0.4)
     };
     let soft = plain.with_viscoelastic_damping(ViscoelasticDamping::new(1.0, deepest(0.32)).ok());
-    let loss = |law: &HertzMindlin, speed| 1.0 - collide(law, speed).0;
+    let loss = |law: &HertzMindlin, speed| 1.0 - collide(law, speed);
     let ratio = loss(&soft, 0.01) / loss(&soft, 0.32);
     assert!((ratio - 0.5).abs() < 0.02, "viscoelastic {ratio}");
     let ratio = loss(&plain, 0.01) / loss(&plain, 0.32);

@@ -186,7 +186,7 @@ fn a_target_takes_few_spheres_and_an_impossible_one_is_refused() {
     assert!(fill(&mesh, &settings(Method::Surface, zero)).is_err());
 }
 
-/// The radius is only a bound here: a tiny one is no reason to refuse, nor to place more spheres.
+/// The radius is only a bound here: a tiny one is not a reason to refuse, nor to place more spheres.
 #[test]
 fn a_tiny_least_radius_is_allowed() {
     for method in CLUMPS {

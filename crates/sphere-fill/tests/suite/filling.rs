@@ -10,7 +10,7 @@ const RADIUS: f64 = 0.45e-3;
 
 fn seed(name: &str) -> TriMesh {
     let path = fixture("stl").join(name);
-    trimesh::read_stl(&path, LengthUnit::Millimetre)
+    trimesh::read_mesh(&path, LengthUnit::Millimetre)
         .expect("a fixture")
         .mesh
 }
@@ -149,7 +149,7 @@ fn a_large_sphere_finds_the_only_place() {
     assert!(centre.norm() < 0.1e-3, "{centre}");
 }
 
-/// The torus is no convex body: spheres of half the tube's radius lie in the tube, none in the hole.
+/// The torus is not a convex body: spheres of half the tube's radius lie in the tube, none in the hole.
 #[test]
 fn a_torus_is_filled_in_its_tube_only() {
     let mesh = shapes::torus(3e-3, 1e-3, 36, 18).unwrap();

@@ -3,7 +3,7 @@
 use dev_support::fixture_files::fixture;
 use std::fs::File;
 use std::io::Cursor;
-use trimesh::{LengthUnit, parse_stl, read_stl};
+use trimesh::{LengthUnit, parse_mesh, read_mesh};
 
 /// Both readers find the same triangles in the meshes that the project comes with. The numbers are
 /// read from single precision and scaled to metres, so that only the rounding of the scaling remains;
@@ -12,7 +12,7 @@ use trimesh::{LengthUnit, parse_stl, read_stl};
 fn seeds_have_the_triangles_that_another_reader_finds() {
     for name in ["cotton_ellipsoidal.stl", "cotton_flat.stl"] {
         let path = fixture("stl").join(name);
-        let ours = read_stl(&path, LengthUnit::Millimetre).unwrap().mesh;
+        let ours = read_mesh(&path, LengthUnit::Millimetre).unwrap().mesh;
         let theirs = stl_io::read_stl(&mut File::open(&path).unwrap()).unwrap();
         assert_eq!(ours.triangles().len(), theirs.faces.len(), "{name}");
         let size = ours
@@ -100,7 +100,7 @@ fn whole_files_are_read_of_which_another_reader_loses_a_part_or_all() {
     for (what, bytes, others) in cases {
         let theirs = stl_io::read_stl(&mut Cursor::new(&bytes)).ok();
         assert_eq!(theirs.map(|mesh| mesh.faces.len()), others, "{what}");
-        let ours = parse_stl(bytes, LengthUnit::Millimetre, what).unwrap();
+        let ours = parse_mesh(bytes, LengthUnit::Millimetre, what).unwrap();
         assert_eq!(ours.mesh.triangles().len(), FACES.len(), "{what}");
     }
 }

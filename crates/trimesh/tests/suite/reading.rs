@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use std::fmt::Write as _;
-use trimesh::{Error, LengthUnit, TriMesh, Warning, parse_stl, shapes};
+use trimesh::{Error, LengthUnit, TriMesh, Warning, parse_mesh, shapes};
 
 const MM: LengthUnit = LengthUnit::Millimetre;
 
@@ -59,7 +59,7 @@ fn turn_over(soup: &mut [[Vector3<f64>; 3]]) {
 
 #[track_caller]
 fn volume_of(bytes: Vec<u8>) -> f64 {
-    let read = parse_stl(bytes, MM, "box.stl").expect("a whole file");
+    let read = parse_mesh(bytes, MM, "box.stl").expect("a whole file");
     assert!(read.report.watertight, "not closed");
     assert_eq!((read.report.triangles, read.report.vertices), (12, 8));
     read.mesh.moments().volume
@@ -67,7 +67,7 @@ fn volume_of(bytes: Vec<u8>) -> f64 {
 
 #[track_caller]
 fn message_of(bytes: Vec<u8>) -> String {
-    parse_stl(bytes, MM, "box.stl")
+    parse_mesh(bytes, MM, "box.stl")
         .expect_err("a damaged file")
         .to_string()
 }
@@ -143,7 +143,7 @@ fn wrong_counts_and_trailing_bytes_are_told() {
         (text.into_bytes(), Warning::NoEnd),
     ];
     for (bytes, warning) in cases {
-        let report = parse_stl(bytes.clone(), MM, "box.stl").unwrap().report;
+        let report = parse_mesh(bytes.clone(), MM, "box.stl").unwrap().report;
         assert_eq!(report.warnings, [warning]);
         assert!((volume_of(bytes) / 180e-9 - 1.0).abs() < 1e-12);
     }
@@ -153,7 +153,7 @@ fn wrong_counts_and_trailing_bytes_are_told() {
 fn units_scale_the_mesh() {
     for (unit, metre) in [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("um", 1e-6)] {
         let unit: LengthUnit = unit.parse().unwrap();
-        let read = parse_stl(binary(&soup(), b""), unit, "box.stl").unwrap();
+        let read = parse_mesh(binary(&soup(), b""), unit, "box.stl").unwrap();
         let length = read.report.bounding_box.size().x;
         assert!(
             (length / (9.0 * metre) - 1.0).abs() < 1e-12,
@@ -248,7 +248,7 @@ fn not_finite_and_flat_meshes_are_refused() {
 
 #[test]
 fn a_missing_file_is_named() {
-    let error = trimesh::read_stl("no/such/seed.stl".as_ref(), MM).unwrap_err();
+    let error = trimesh::read_mesh("no/such/seed.stl".as_ref(), MM).unwrap_err();
     assert!(matches!(error, Error::Read { .. }));
     assert!(error.to_string().contains("no/such/seed.stl"));
 }

@@ -1,7 +1,7 @@
 //! The surface of the spheres as an STL file.
 
 use crate::{fixture, json_of, path_text, seedfill, text};
-use trimesh::{LengthUnit, read_stl};
+use trimesh::{LengthUnit, read_mesh};
 
 /// The file of an overlapping filling is one closed body without repairs, its volume the one that is told and
 /// within 0.3 (cell / radius)² of the union (the deficit of inscribed facets, as tested in sphere-fill); half
@@ -27,7 +27,7 @@ fn the_union_is_a_closed_body_of_the_volume_told() {
         let output = seedfill(&[&words[..], &more].concat());
         assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
         let json = json_of(&output);
-        let read = read_stl(&file, LengthUnit::Millimetre).unwrap();
+        let read = read_mesh(&file, LengthUnit::Millimetre).unwrap();
         read.mesh.require_closed().unwrap();
         assert!(
             read.report.warnings.is_empty(),
