@@ -7,7 +7,7 @@ use crate::template::Template;
 use fearless_simd::Level;
 
 /// Moves all bodies by one step and returns the longest way of a centre of mass since the last broad
-/// phase, m; infinite if a travel is no finite number. On a thread of a pool the halves of the bodies are
+/// phase, m; infinite if a travel is not a finite number. On a thread of a pool the halves of the bodies are
 /// moved at the same time.
 pub(crate) fn advance(
     level: Level,
@@ -16,7 +16,7 @@ pub(crate) fn advance(
     templates: &[Template],
     around: &Surroundings,
 ) -> f32 {
-    // The largest of some numbers leaves out what is no number; their sum does not.
+    // The largest of some numbers leaves out what is not a number; their sum does not.
     let (longest, sum) = if in_pool {
         advance_halves(level, bodies, templates, around)
     } else {

@@ -177,7 +177,6 @@ pub(crate) fn write(column: &mut Column, k: usize, value: &Vector3<f64>) {
     column[2][k] = value.z;
 }
 
-/// Reads a vector of a column.
 #[inline(always)]
 pub(crate) fn read(column: &Column, k: usize) -> Vector3<f64> {
     Vector3::new(column[0][k], column[1][k], column[2][k])

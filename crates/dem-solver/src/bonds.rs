@@ -81,7 +81,6 @@ struct Link {
 /// All bonds of a world; one law for all.
 #[derive(Debug, Clone)]
 pub struct Bonds {
-    /// The law.
     law: Bond,
     /// Bonds in the order in which they were given.
     links: Vec<Link>,
@@ -92,7 +91,7 @@ impl Bonds {
     ///
     /// # Errors
     ///
-    /// A pair that is no pair of bodies.
+    /// A bond between two bodies that do not exist, or one twice.
     pub fn new(world: &World, pairs: &[[usize; 2]], law: Bond) -> Result<Self, Error> {
         let (bodies, templates) = (world.bodies(), world.templates());
         let mut links = Vec::with_capacity(pairs.len());

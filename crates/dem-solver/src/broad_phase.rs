@@ -53,6 +53,7 @@ impl BodyGrid {
             .saturating_mul(positions.len())
             .clamp(1 << 12, 1 << 28);
         self.size = 2.0 * self.largest + margin;
+        // A body that flies away stretches the box of all: the cells grow with it, and the memory does not.
         loop {
             let extent = self.high - self.low;
             self.counts = std::array::from_fn(|k| cell(extent[k], self.size) + 1);
@@ -86,6 +87,7 @@ impl BodyGrid {
             partners.clear();
             let p = &positions[i];
             let reach = radii[i] + self.margin;
+            // A cell is as wide as the largest body and the margin together, so that partners are in the 27 cells about it.
             let near = single_square(reach + self.largest + rounding);
             let centre = single(&(p - self.low));
             for_each_row(self.cell_of_point(p), self.counts, |first, last| {
@@ -126,7 +128,7 @@ impl BodyGrid {
                 f32x16::from_slice(simd, block(2)) - centre[2],
             ];
             let used = (1_u64 << (range.end - first).min(LANES)) - 1;
-            // What is no number counts as near: the caller looks again in double precision.
+            // What is not a number counts as near: the caller looks again in double precision.
             for lane in set_bits(!squares(&between).simd_gt(limit).to_bitmask() & used) {
                 found(self.order[first + lane]);
             }

@@ -257,6 +257,7 @@ pub(crate) fn search<S: Simd>(
     ];
     let far_of_i = support(simd, i, &normal, reaches_i);
     let far_of_j = support(simd, j, &back, reaches_j);
+    // The plane across the line of centres that separates the bodies, if there is one, proves their gap.
     let gap = distance - far_of_i - far_of_j - safety;
     let ahead = |axis: usize| p[axis] - normal[axis] * far_of_j;
     let mut middle = [ahead(0), ahead(1), ahead(2)];
@@ -265,11 +266,13 @@ pub(crate) fn search<S: Simd>(
         return (gap, patch);
     }
     let least_of_j = distance - far_of_i - skin;
+    // Each body is culled by the box of the other, so that few of some hundred spheres are tested pair by pair.
     let near = kept_j.cull(simd, (j, reaches_j), least_of_j, pose, (i, skin));
     if kept_j.n > 0 {
         let least_of_i = distance - far_of_j - skin;
         let n_i = cull(simd, (i, reaches_i), least_of_i, &near, kept_i);
         pair_up(simd, &kept_i[..n_i], &i.spheres, kept_j, skin, found);
+        // The order of groups depends on the width of the registers, the order of the forces must not.
         found.sort_unstable();
         for axis in 0..3 {
             middle[axis] = 0.5 * (near.low[axis] + near.high[axis]);

@@ -149,7 +149,7 @@ pub(crate) fn placement(body: usize, placement: &Placement, walls: &[Wall]) -> R
     Ok(())
 }
 
-/// Refuses a vector with a component that is no finite number.
+/// Refuses a vector with a component that is not a finite number.
 fn finite(vector: &Vector3<f64>, what: impl Fn() -> String) -> Result<(), Error> {
     if vector.iter().all(|c| c.is_finite()) {
         Ok(())

@@ -280,7 +280,7 @@ impl Interaction {
     }
 }
 
-/// The slip of the step before in the plane of contact, m; none where only a bridge holds.
+/// The slip of the step before in the plane of contact, m; none if only a bridge holds.
 #[inline(always)]
 fn kept_slip(memory: &Memory, normal: &Vector3<f64>, overlap: f64) -> Vector3<f64> {
     let touches = if overlap > 0.0 { 1.0 } else { 0.0 };

@@ -47,7 +47,6 @@ pub(crate) struct Context<'a> {
     pub(crate) templates: &'a [Template],
     /// Interaction of material a with material b at `a * n_materials + b`.
     pub(crate) interactions: &'a [Interaction],
-    /// Number of materials.
     pub(crate) n_materials: usize,
     /// Distances of the sphere lists.
     pub(crate) cutoffs: Cutoffs,

@@ -26,7 +26,7 @@ pub enum Error {
         /// Why.
         reason: String,
     },
-    /// An index points to nothing.
+    /// An index without an item.
     #[error("{what} {index} does not exist: there are {count}")]
     NoSuch {
         /// Template or material.
@@ -58,8 +58,10 @@ pub enum Error {
         /// The name asked for.
         name: String,
     },
-    /// A shape that is no surface of revolution was given a spin.
-    #[error("wall '{wall}' spins about z but is no surface of revolution about z")]
+    /// A shape that is not a surface of revolution was given a spin.
+    #[error(
+        "wall '{wall}' has a spin about z but is not a surface of revolution about z; move it as a wall of triangles"
+    )]
     SpinningShape {
         /// Name of the wall.
         wall: String,
@@ -69,7 +71,7 @@ pub enum Error {
     Shape {
         /// Name of the wall.
         wall: String,
-        /// What the shape must fulfil.
+        /// The rule that it breaks.
         rule: &'static str,
     },
     /// A body starts on the wrong side of a one-sided wall.
@@ -91,10 +93,10 @@ pub enum Error {
         /// Number of spheres.
         count: usize,
     },
-    /// A body has left every bound.
+    /// A body has run away, or its state is not finite.
     #[error(
-        "body {body} has run away or has a state that is no number after {time} s: the time step \
-         {time_step} s is too large for the contacts, or bodies overlapped at the start"
+        "body {body} has run away or has a state that is not finite after {time} s: lower the time step of \
+         {time_step} s, or look for bodies that overlap at the start"
     )]
     Diverged {
         /// Index of the body.
@@ -119,7 +121,7 @@ pub enum Error {
     },
     /// A body is faster than anything in the apparatus can be.
     #[error(
-        "body {body} flies with {speed} m/s at {position} m after {time} s, the limit is {limit} \
+        "body {body} moves with {speed} m/s at {position} m after {time} s, the limit is {limit} \
          m/s: lower the time step of {time_step} s, or look for bodies that overlap at the start"
     )]
     Flying {
@@ -136,7 +138,7 @@ pub enum Error {
         /// Time step, s.
         time_step: f64,
     },
-    /// Two spheres overlap more than the contact law can mean.
+    /// Two spheres overlap by more than the contact law holds for.
     #[error(
         "bodies {i} and {j} overlap by {share} of the smaller sphere's radius at {position} m after \
          {time} s, the limit is {limit}: raise the stiffness, lower the speed, or lower the time \
@@ -158,7 +160,7 @@ pub enum Error {
         /// Time step, s.
         time_step: f64,
     },
-    /// A snapshot that is not of this world.
+    /// A snapshot of another world.
     #[error(
         "this snapshot is of another world: {what} are {found}, not {expected}; start the run anew"
     )]
@@ -176,16 +178,16 @@ pub enum Error {
         /// Number of bodies.
         bodies: usize,
     },
-    /// A world that the energy ledger cannot book.
-    #[error("the energy ledger does not know the energy of {what}: leave them out of this world")]
+    /// A law that the energy ledger does not cover.
+    #[error("the energy ledger does not cover {what}: leave them out of this world")]
     NotInLedger {
-        /// What it does not know.
+        /// The law.
         what: &'static str,
     },
 }
 
 impl Error {
-    /// Whether the motion has left what can be believed, as with a time step that is too long for the contacts. The same run
+    /// Whether the motion is no longer plausible, as with a time step that is too long for the contacts. The same run
     /// may end well with a shorter one.
     pub fn is_divergence(&self) -> bool {
         matches!(

@@ -1,14 +1,14 @@
-//! Whether a world is still one that can be believed.
+//! Checks that a world is still plausible.
 //!
-//! A step checks only what is free. [`World::check_health`] looks at everything else; a caller asks
-//! for it from time to time. It changes nothing.
+//! A step makes only those checks that cost nothing. [`World::check_health`] makes the others; call it from time to time. It
+//! changes nothing.
 
 use crate::error::Error;
 use crate::pair_force::PairFrame;
 use crate::world::World;
 use nalgebra::Vector3;
 
-/// What a believable world keeps to.
+/// Limits of a plausible world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HealthLimits {
     /// Lower corner of the region that holds the centres of all bodies, m.
@@ -23,7 +23,7 @@ pub struct HealthLimits {
 }
 
 impl World {
-    /// Refuses a world with a state that is no number, a body that is lost or flies, or spheres
+    /// Refuses a world with a state that is not finite, a lost body, a body that is too fast, or spheres
     /// that overlap too much.
     ///
     /// # Errors

@@ -256,7 +256,6 @@ fn rows(m: &Matrix3<f64>) -> [f64; 9] {
     ]
 }
 
-/// Length of a vector.
 #[inline(always)]
 pub(crate) fn length(v: &Vector3<f64>) -> f64 {
     (v.x * v.x + v.y * v.y + v.z * v.z).sqrt()

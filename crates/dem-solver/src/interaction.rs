@@ -176,7 +176,7 @@ impl Interaction {
     }
 
     /// Force on body i beside that of a dry contact without attraction: what the bridge resists the speed of approach (m/s)
-    /// and of sliding (m/s); none where there is no liquid with viscosity.
+    /// and of sliding (m/s); none if there is no liquid with viscosity.
     #[inline(always)]
     pub(crate) fn drag(
         &self,

@@ -20,7 +20,6 @@ pub(crate) const HALF: usize = LANES / 2;
 /// The lanes of a half, numbered.
 pub(crate) const NUMBERS: [u32; HALF] = [0, 1, 2, 3, 4, 5, 6, 7];
 
-/// One number in each lane.
 pub(crate) type Lanes = [f32; LANES];
 
 /// A vector in each lane.
@@ -89,7 +88,6 @@ pub(crate) fn set_bits(mut bits: u64) -> impl Iterator<Item = usize> {
     })
 }
 
-/// An index as it is stored.
 #[inline(always)]
 pub(crate) fn stored(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)

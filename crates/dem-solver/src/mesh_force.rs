@@ -29,18 +29,14 @@ const SAME_CONTACT: f64 = 0.9;
 /// A contact of a body and a wall, as a snapshot keeps it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct MeshContact {
-    /// The body.
     pub(crate) body: usize,
-    /// The wall.
     wall: usize,
-    /// The contact.
     touch: TriangleContact,
 }
 
 /// A sphere that touches a wall.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct TriangleContact {
-    /// The sphere.
     sphere: u16,
     /// Unit vector from the sphere towards the wall.
     normal: Vector3<f64>,
@@ -51,9 +47,7 @@ pub(crate) struct TriangleContact {
 /// A body near a wall.
 #[derive(Debug, Clone)]
 struct Near {
-    /// The body.
     body: usize,
-    /// The wall.
     wall: usize,
     /// Sum of the ways of body and wall at which the list must be made anew, m.
     limit: f64,
@@ -72,7 +66,6 @@ struct Hit {
     distance: f64,
     /// Nearest point, m.
     point: Vector3<f64>,
-    /// The triangle.
     triangle: usize,
 }
 
@@ -187,7 +180,6 @@ impl MeshWalls {
         }
     }
 
-    /// All contacts.
     pub(crate) fn kept(&self) -> Vec<MeshContact> {
         let near = self.near.iter();
         near.flat_map(|n| {

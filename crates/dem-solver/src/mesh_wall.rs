@@ -243,12 +243,6 @@ impl Moving {
             .map(|(index, _)| index)
     }
 
-    /// Corners of a triangle now, m.
-    pub(crate) fn corners_now(&self, triangle: usize) -> [Vector3<f64>; 3] {
-        self.wall.triangles[triangle]
-            .map(|c| self.turn.transform_vector(&(c - self.wall.motion.about)) + self.pivot())
-    }
-
     /// Moves the wall by a step (s) that ends at a time (s).
     pub(crate) fn advance(&mut self, time_step: f64, time: f64) {
         let motion = &self.wall.motion;

@@ -1,8 +1,8 @@
 //! Lists of pairs of bodies and, for each pair, of the spheres that may touch.
 //!
-//! A pair is looked at again only when its two bodies together have moved by more than the
-//! distance that its list covers. Ways are counted in a frame that turns with the drum, in which
-//! a bed that turns as a whole stands still. When the count runs out, the true relative motion
+//! A pair sleeps until its two bodies together have moved by more than the distance that its list covers. Distances are
+//! measured in a frame that turns with the drum, where a bed that turns as a whole is at rest. The sum of both travels is an upper
+//! bound of the relative motion that costs one addition; when it exceeds the limit, the true relative motion
 //! since the list was made decides whether the list must be made anew.
 //!
 //! Worlds of bodies of one sphere each have lists of their own (`spheres`).
@@ -89,7 +89,6 @@ fn wake(n_candidates: u32, limit: f32) -> f32 {
 pub(crate) struct Lists {
     /// First chunk of the pair.
     pub(crate) chunk: u32,
-    /// Number of candidates.
     pub(crate) n_candidates: u32,
     /// Number of chunks that the place can hold.
     room: u32,
@@ -102,7 +101,7 @@ pub(crate) struct Lists {
 }
 
 impl Lists {
-    /// Of a pair of which nothing is known yet.
+    /// List of a new pair: empty, due at once.
     const NEW: Self = Self {
         chunk: 0,
         n_candidates: 0,
@@ -133,14 +132,12 @@ impl Lists {
 /// A pair that needs attention in this step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Due {
-    /// The pair.
     pair: u32,
     /// Its bodies, in order.
     bodies: [u32; 2],
 }
 
 impl Due {
-    /// The pair.
     #[inline(always)]
     pub(crate) fn pair(&self) -> usize {
         self.pair as usize
@@ -192,11 +189,8 @@ pub(crate) struct Neighbours {
 pub(crate) struct Previous {
     /// Entries.
     table: PairTable,
-    /// Lists.
     lists: Vec<Lists>,
-    /// Poses.
     poses: Vec<Pose>,
-    /// Starts.
     start: Vec<u32>,
     /// Candidates.
     chunks: Vec<Chunk>,
@@ -393,6 +387,7 @@ impl Neighbours {
         let rotation = bodies.orientation[i].inverse() * bodies.orientation[j];
         let pose = self.poses[k];
         let left = pose.left(&position, &rotation, cutoffs.safety);
+        // With less than a fifth left the pair would come back soon: a new list is cheaper than many looks.
         if left > 0.2 * pose.reach() {
             self.set_limit(k, travel + left);
             return;
@@ -401,6 +396,7 @@ impl Neighbours {
             rotation: scaled_single(&rotation.to_rotation_matrix().into_inner(), 1.0),
             position: single(&position.data.0[0]),
         };
+        // The list is found in the frame of body i, so that it stays valid while both turn together.
         let (reach, patch) = simd.vectorize(
             #[inline(always)]
             || search(simd, &a.packed, &b.packed, &relative, cutoffs, scratch),
@@ -463,13 +459,14 @@ impl Neighbours {
             self.chunks
                 .extend(groups.map(|group| chunk_of(group, a, b)));
         } else {
+            // In place: the lists stay in the order in which the force loop reads them.
             let place = &mut self.chunks[lists.chunk as usize..];
             for (chunk, group) in place.iter_mut().zip(groups) {
                 *chunk = chunk_of(group, a, b);
             }
         }
         if lists.n_candidates == 0 {
-            // The force loop leaves this pair out, and the touches move on without it.
+            // The force loop skips this pair, and its touches would be those of other pairs after the next step.
             (lists.touch, lists.n_touches) = (0, 0);
         }
     }

@@ -160,6 +160,7 @@ fn add_pair_forces_on<S: Simd>(
             due.extend(pairs.map(|&pair| neighbours.due(pair, j)));
         }
         neighbours.find_stale(due, &bodies.travel, stale);
+        // The reads of all are started before the first is used: the processor waits for memory once.
         neighbours.fetch_poses(stale);
         for pair in stale.iter() {
             neighbours.refresh(simd, pair, bodies, context, scratch);
@@ -170,6 +171,7 @@ fn add_pair_forces_on<S: Simd>(
         }
     }
     collector.apply();
+    // The touches of this step replace those of the last, in the order of the pairs.
     std::mem::swap(&mut neighbours.touches, touches);
 }
 
@@ -267,9 +269,11 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
         for candidate in 0..n_near {
             self.make_place(interaction);
             let key = self.near[candidate];
+            // A pair has few touches: a search from the front beats any map.
             let known = neighbours.touches[old.clone()]
                 .iter()
                 .find(|t| t.key == key);
+            // A bridge that exists holds up to its rupture; a new one forms at contact only.
             let gap = if known.is_some() { reach } else { 0.0 };
             if let Some(mut pair) = frame.sphere_pair(key, templates, gap) {
                 pair.memory = known.map_or_else(Memory::default, |touch| touch.memory);

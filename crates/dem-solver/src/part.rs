@@ -49,7 +49,6 @@ pub(crate) struct Part {
 /// A load on a body of another part.
 #[derive(Debug, Clone, Copy)]
 struct LoadAbroad {
-    /// The body.
     body: usize,
     /// What one contact does to it.
     load: Load,
@@ -147,7 +146,7 @@ impl Part {
         self.range.clone()
     }
 
-    /// The first of all bodies that are listed as partners, in a world of spheres; none where there is none.
+    /// The first of all bodies that are listed as partners, in a world of spheres; none if there is none.
     pub(crate) fn lowest_partner(&self) -> Option<usize> {
         self.spheres.lowest_partner()
     }

@@ -7,7 +7,7 @@ use std::time::Instant;
 pub struct StepPhases {
     /// The search for pairs of bodies, in the steps that make it.
     pub search: f64,
-    /// Contacts of bodies with each other and with walls that are no triangles.
+    /// Contacts of bodies with each other and with walls that are not triangles.
     pub contacts: f64,
     /// Contacts with walls of triangles, and liquid.
     pub triangles: f64,

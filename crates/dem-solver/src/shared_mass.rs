@@ -81,7 +81,7 @@ pub(crate) struct Shares<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Shares<'a, N> {
-    /// Of the contacts of the same bodies; none where no dashpot knows more than its sphere.
+    /// Of the contacts of the same bodies; none if no dashpot knows more than its sphere.
     #[inline(always)]
     pub(crate) fn new(
         bodies: [Turned<'a>; N],

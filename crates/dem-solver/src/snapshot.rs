@@ -16,7 +16,6 @@ use serde::{Deserialize, Serialize};
 /// State of a world between two steps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
-    /// Bodies.
     pub(crate) bodies: Bodies,
     /// Contacts of bodies, in order of the later body, then of the other, then of the spheres.
     pub(crate) pairs: Vec<KeptContact>,

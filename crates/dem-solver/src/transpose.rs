@@ -14,13 +14,11 @@ use nalgebra::Vector3;
 /// Three coordinates and a fourth number that goes along, so that they are read and written together.
 pub(crate) type Row = [f64; 4];
 
-/// A vector and a number beside it.
 #[inline(always)]
 pub(crate) fn row(vector: &Vector3<f64>, beside: f64) -> Row {
     [vector.x, vector.y, vector.z, beside]
 }
 
-/// The vector of a row.
 #[inline(always)]
 pub(crate) fn vector(row: &Row) -> Vector3<f64> {
     Vector3::new(row[0], row[1], row[2])

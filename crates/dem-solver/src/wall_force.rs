@@ -28,9 +28,7 @@ use std::ops::Range;
 /// A body near a wall.
 #[derive(Debug, Clone, Default)]
 struct Near {
-    /// The body.
     body: usize,
-    /// The wall.
     wall: usize,
     /// Travel of the body at which the list must be made anew, m.
     limit: f32,
@@ -97,6 +95,7 @@ impl WallNeighbours {
     }
 
     /// Finds the forces of all walls.
+    // One pass over the entries, whose steps share the entry; it is a few lines longer than a screen.
     #[expect(
         clippy::cast_possible_truncation,
         reason = "the way up to the touch is shortened by a safety distance"
@@ -134,6 +133,7 @@ impl WallNeighbours {
                 rotation: &bodies.rotation[near.body],
                 template,
             };
+            // Most candidates at a wall touch for many steps or are far: those asleep cost one comparison.
             near.wake = near.find_awake(travel, awake);
             let shares = near.shares(&body, wall, awake);
             (near.force, near.torque) = Default::default();
@@ -141,6 +141,7 @@ impl WallNeighbours {
                 let near = &mut self.near[at];
                 let mut contact = body.at_wall(near.candidates[k], wall);
                 let gap = -contact.geometry.overlap;
+                // A bridge that exists holds up to its rupture; a new one forms at contact only.
                 let reach = if near.wakes[k] == TOUCHES {
                     law.reach(volume)
                 } else {
@@ -156,6 +157,7 @@ impl WallNeighbours {
                 let memory = near.memories[k];
                 contact.bridge_volume = volume;
                 contact.share_mass(shares.as_ref());
+                // A full batch is worked off before another contact is put in, so that the order of sums stays.
                 if !batch.has_room(interaction) {
                     apply(&mut self.near, level, context, batch);
                 }
@@ -190,7 +192,6 @@ impl WallNeighbours {
         }
     }
 
-    /// All contacts.
     pub(crate) fn kept(&self) -> impl Iterator<Item = KeptContact> + '_ {
         self.near.iter().flat_map(|near| {
             near.touches().map(|touch| KeptContact {
@@ -339,7 +340,7 @@ impl Near {
         next.into_iter().fold(f32::INFINITY, f32::min)
     }
 
-    /// How the body shares its mass among its contacts, which are among those that are awake; none where it does not.
+    /// How the body shares its mass among its contacts, which are among those that are awake; none if it does not.
     #[inline(always)]
     fn shares<'a>(&self, body: &Posed<'a>, wall: &Wall, awake: &[u32]) -> Option<Shares<'a, 1>> {
         let near = awake.iter().map(|&k| self.candidates[k as usize]);

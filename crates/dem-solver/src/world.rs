@@ -44,15 +44,12 @@ pub struct World {
     templates: Vec<Template>,
     /// Interactions by material, row by row.
     interactions: Vec<Interaction>,
-    /// Number of materials.
     n_materials: usize,
     /// State of the bodies.
     bodies: Bodies,
     /// Copy of the bodies for the forces between them where all are spheres; empty in another world.
     spheres: Vec<Sphere>,
-    /// Walls.
     walls: Vec<Wall>,
-    /// Settings.
     settings: Settings,
     /// Distances of the sphere lists.
     cutoffs: Cutoffs,
@@ -82,9 +79,9 @@ pub struct World {
     mesh_walls: MeshWalls,
     /// Liquid of the bodies in their bridges.
     liquid: Liquid,
-    /// Spin of the frame in which ways are counted, rad/s.
+    /// Spin of the frame in which travels are measured, rad/s.
     reference_spin: f64,
-    /// Longest way of a centre of mass since the last broad phase, m; infinite when there is none yet.
+    /// Longest displacement of a centre of mass since the last broad phase, m; infinite before the first.
     longest: f32,
     /// Time of the phases of the steps, where it is counted.
     phases: Option<StepPhases>,
@@ -99,7 +96,7 @@ impl World {
     ///
     /// Settings that are not positive, numbers that are not finite, indices out of range, a table
     /// of interactions that depends on the order of two bodies, a wall whose numbers do not
-    /// describe its shape, a spinning wall that is no surface of revolution, a body whose centre
+    /// describe its shape, a spinning wall that is not a surface of revolution, a body whose centre
     /// is behind a wall.
     pub fn new(
         settings: Settings,
@@ -158,7 +155,7 @@ impl World {
         Ok(world)
     }
 
-    /// Adds bodies between two steps, behind those that are there; these keep their contacts.
+    /// Adds bodies between two steps, numbered after the others, which keep their contacts.
     ///
     /// # Errors
     ///
@@ -211,10 +208,10 @@ impl World {
         self.parts = Part::cut(n_bodies, pieces * parts_of_piece);
     }
 
-    /// The world with its steps spread over so many threads; 1 keeps them on the caller's.
+    /// The world with its steps on `threads` threads; 1 keeps them on the caller's.
     ///
-    /// The results are the same to the last bit. It pays for some thousands of bodies; many
-    /// smaller worlds are better run side by side.
+    /// The results have the same bits. It pays from some thousands of bodies on; run many
+    /// smaller worlds side by side instead.
     ///
     /// # Errors
     ///
@@ -242,8 +239,7 @@ impl World {
         Ok(self)
     }
 
-    /// The world on the instructions that every processor of its kind has, instead of the widest that this
-    /// one has: slower, and the same bits.
+    /// The world on the basic instructions of the processor instead of its widest: slower, with the same bits. For tests.
     #[must_use]
     pub fn on_basic_instructions(mut self) -> Self {
         self.level = Level::baseline();
@@ -261,7 +257,7 @@ impl World {
     ///
     /// # Errors
     ///
-    /// [`Error::NotFinite`]; the gravity of before stays.
+    /// [`Error::NotFinite`]; the gravity stays as it was.
     pub fn set_gravity(&mut self, gravity: Vector3<f64>) -> Result<(), Error> {
         if gravity.iter().any(|x| !x.is_finite()) {
             let what = "gravity in m/s2".into();
@@ -275,7 +271,7 @@ impl World {
     ///
     /// # Errors
     ///
-    /// [`Error::NotPositive`]; the time step of before stays.
+    /// [`Error::NotPositive`]; the time step stays as it was.
     pub fn set_time_step(&mut self, time_step: f64) -> Result<(), Error> {
         if !(time_step > 0.0 && time_step.is_finite()) {
             return Err(Error::NotPositive {
@@ -287,12 +283,12 @@ impl World {
         Ok(())
     }
 
-    /// Sets the spin of all walls of a name, rad/s.
+    /// Sets the spin of all walls called `name`, rad/s.
     ///
     /// # Errors
     ///
-    /// [`Error::NoWall`], [`Error::SpinningShape`] for a spin of what is no surface of revolution about z,
-    /// [`Error::NotFinite`]; the spins of before stay.
+    /// [`Error::NoWall`], [`Error::NotFinite`], and [`Error::SpinningShape`] for a wall that is not a surface of revolution about z;
+    /// the spins stay as they were.
     pub fn set_wall_spin(&mut self, name: &str, spin: f64) -> Result<(), Error> {
         if !spin.is_finite() {
             let what = format!("spin of wall '{name}' in rad/s");
@@ -332,12 +328,12 @@ impl World {
         Ok(())
     }
 
-    /// Changes velocity, spin and vibration of all walls of triangles of a name; their centre of
-    /// rotation stays what it is, and another vibration begins where the wall stands.
+    /// Changes velocity, spin and vibration of all walls of triangles called `name`. Their centre of
+    /// rotation stays, and a new vibration begins at the present place of the wall.
     ///
     /// # Errors
     ///
-    /// [`Error::NoWall`], [`Error::NotFinite`]; the motions of before stay.
+    /// [`Error::NoWall`], [`Error::NotFinite`]; the motions stay as they were.
     pub fn set_mesh_motion(&mut self, name: &str, motion: &Motion) -> Result<(), Error> {
         self.mesh_walls.set_motion(name, motion, self.time)
     }
@@ -346,7 +342,7 @@ impl World {
     ///
     /// # Errors
     ///
-    /// A body that has run away or whose state is no longer a number.
+    /// A body that has run away or whose state is not finite.
     pub fn step(&mut self) -> Result<(), Error> {
         self.step_with(|_| {})
     }
@@ -357,7 +353,7 @@ impl World {
     ///
     /// # Errors
     ///
-    /// A body that has run away or whose state is no longer a number.
+    /// A body that has run away or whose state is not finite.
     pub fn step_with(&mut self, further: impl FnOnce(&mut Bodies) + Send) -> Result<(), Error> {
         // One change of threads for the whole step: each costs as much as some hundred contacts.
         match self.pool.clone() {
@@ -369,6 +365,7 @@ impl World {
     /// [`Self::step_with`] on a thread of the pool, if there is one.
     fn step_here(&mut self, further: impl FnOnce(&mut Bodies)) -> Result<(), Error> {
         let mut clock = Clock::start(self.phases.is_some());
+        // Two bodies, or a body and a wall, can close the gap of a margin only if one of them has moved by half of it.
         let half = 0.5 * self.settings.margin;
         if f64::from(self.longest) > half || self.mesh_walls.longest() > half {
             self.search_pairs()?;
@@ -388,7 +385,7 @@ impl World {
         Ok(())
     }
 
-    /// Finds the forces of contacts of bodies and of bodies and walls that are no triangles.
+    /// Finds the forces of contacts of bodies and of bodies and walls that are not triangles.
     fn find_loads(&mut self) {
         self.wall_load.fill(Vector3::zeros());
         self.wall_torque.fill(0.0);
@@ -453,12 +450,12 @@ impl World {
         }
     }
 
-    /// Counts from now on how long the phases of the steps take.
+    /// Measures the time of each phase of the steps from now on.
     pub fn count_phases(&mut self) {
         self.phases = Some(StepPhases::default());
     }
 
-    /// How long they took since counting began; none where nothing is counted.
+    /// Time of each phase since [`Self::count_phases`], or `None` without it.
     pub fn phases(&self) -> Option<StepPhases> {
         self.phases
     }
@@ -478,7 +475,7 @@ impl World {
         &self.walls
     }
 
-    /// Force on each wall in the last step, N.
+    /// Force on each wall in the last step, N; not on walls of triangles.
     pub fn wall_load(&self) -> &[Vector3<f64>] {
         &self.wall_load
     }
@@ -488,7 +485,7 @@ impl World {
         &self.wall_torque
     }
 
-    /// Walls of triangles, as they were given, with their motion of now.
+    /// Walls of triangles as they were given, with their present motion.
     pub fn mesh_walls(&self) -> impl Iterator<Item = &MeshWall> {
         self.moving_walls().iter().map(|m| &m.wall)
     }
@@ -502,15 +499,6 @@ impl World {
     /// centre of rotation.
     pub fn mesh_loads(&self) -> impl Iterator<Item = (Vector3<f64>, Vector3<f64>)> + '_ {
         self.mesh_walls.moving.iter().map(|m| (m.force, m.torque))
-    }
-
-    /// Triangles of a wall of triangles where they are now, m.
-    pub fn mesh_triangles(&self, wall: usize) -> Vec<[Vector3<f64>; 3]> {
-        self.mesh_walls.moving.get(wall).map_or_else(Vec::new, |m| {
-            (0..m.wall.triangles.len())
-                .map(|t| m.corners_now(t))
-                .collect()
-        })
     }
 
     /// Time since the start, s.
@@ -567,10 +555,10 @@ impl World {
         }
     }
 
-    /// Ways are counted in the frame of the walls if all are surfaces of revolution, otherwise
-    /// in the frame at rest, in which the other walls stand still. A change of frame needs no new
+    /// Travels are measured in the frame of the walls if all are surfaces of revolution, otherwise
+    /// in the frame at rest, where the other walls are. A change of frame needs no new
     /// lists: gaps between bodies, and between bodies and walls of revolution, are the same in
-    /// both frames, and the ways before and after the change add up to a bound in either.
+    /// both frames, and the travels before and after the change add up to a bound in either.
     fn choose_reference_spin(&mut self) {
         let revolved =
             self.walls.iter().all(Wall::is_axisymmetric) && self.mesh_walls.moving.is_empty();

@@ -78,7 +78,7 @@ impl SpherePairs {
         self.slip.len()
     }
 
-    /// The first of all partners; none where there are no pairs.
+    /// The first of all partners; none if there are no pairs.
     pub(crate) fn lowest_partner(&self) -> Option<usize> {
         let pairs = self.ends[..self.len()].iter();
         pairs.map(|ends| ends.other as usize).min()

@@ -30,7 +30,6 @@ use std::ops::Range;
 /// Bodies of a range that are near walls; columns of one length, one entry a body and wall.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct SphereWalls {
-    /// The body.
     body: Vec<u32>,
     /// The wall; never falls from one entry to the next.
     wall: Vec<u32>,
@@ -218,7 +217,6 @@ impl SphereWalls {
         self.wake[k] == TOUCHES
     }
 
-    /// All contacts.
     pub(crate) fn kept(&self) -> impl Iterator<Item = KeptContact> + '_ {
         let touching = (0..self.body.len()).filter(|&k| self.touches(k));
         touching.map(|k| KeptContact {

@@ -17,7 +17,7 @@ impl World {
     ///
     /// # Errors
     ///
-    /// A body whose state is no longer a number.
+    /// A body whose state is no longer finite.
     pub fn sort_bodies(&mut self) -> Result<Vec<usize>, Error> {
         self.check_finite()?;
         let order = by_place(&self.bodies.position, &self.radii);
@@ -31,7 +31,7 @@ impl World {
     ///
     /// # Errors
     ///
-    /// [`Error::NoOrder`] if a place is named twice or not at all; a body whose state is no longer a number.
+    /// [`Error::NoOrder`] if a place is named twice or not at all; a body whose state is no longer finite.
     pub fn reorder(&mut self, order: &[usize]) -> Result<(), Error> {
         self.check_finite()?;
         let bodies = self.bodies.len();

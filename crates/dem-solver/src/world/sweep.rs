@@ -1,12 +1,12 @@
 //! Several steps in one sweep through a large world of spheres.
 //!
-//! A step reads and writes all that is known of a world. A large one has no place in the caches, and the processor waits
-//! for the memory longer than it computes. A sweep takes one part of the bodies after the other some steps on while it is in
-//! the cache: the contacts of a part wait until its bodies, and those of the parts before it, have made the step before; its
+//! A step reads and writes the whole state of a world. A large one exceeds the caches, and the processor waits
+//! for the memory longer than it computes. A sweep advances one part of the bodies after the other by several steps while it is in
+//! the cache. The contacts of a part wait until its bodies, and those of the parts before it, have made the step before; its
 //! bodies move once the parts behind it that act on them have found their contacts. Each body gets its loads in
-//! the order of single steps, and so all comes out the same to the last bit.
+//! the order of single steps, so that every bit of the result is the same.
 //!
-//! It pays where neighbours stand near each other in memory ([`World::sort_bodies`]).
+//! It pays if neighbours are near each other in memory ([`World::sort_bodies`]).
 
 use super::World;
 use crate::advance::advance;
@@ -37,12 +37,12 @@ const MOST_ACCELERATION: f64 = 10.0;
 const MOST_RESERVE: f64 = 0.25;
 
 impl World {
-    /// Moves the world by so many steps: as many calls of [`Self::step`], to the last bit, and faster in a large world of
+    /// Moves the world by `n` steps: the same bits as `n` calls of [`Self::step`], and faster in a large world of
     /// spheres on one thread.
     ///
     /// # Errors
     ///
-    /// A body that has run away or whose state is no longer a number. The world may have gone on by then.
+    /// A body that has run away or whose state is no longer finite. The world may have gone on by then.
     pub fn steps(&mut self, n: u64) -> Result<(), Error> {
         let mut left = n;
         while left > 0 {
@@ -87,7 +87,7 @@ impl World {
             && !self.interactions.iter().any(Interaction::is_wet)
     }
 
-    /// Makes the lists anew unless they hold for so many steps; false where bodies are too fast for that to pay.
+    /// Makes the lists anew unless they hold for so many steps; false if bodies are too fast for that to pay.
     fn lists_hold(&mut self, n: usize) -> Result<bool, Error> {
         let half = 0.5 * self.settings.margin;
         let way = self.longest_way(n);
@@ -105,7 +105,7 @@ impl World {
         Ok(true)
     }
 
-    /// Longest way of a body, in the frame in which ways are counted, that is thought possible within so many steps, m.
+    /// Longest displacement of a body within `n` steps that is thought possible, in the frame in which travels are measured, m.
     fn longest_way(&self, n: usize) -> f64 {
         let bodies = &self.bodies;
         let square = |v: &Vector3<f64>| v.norm_squared();
@@ -120,7 +120,8 @@ impl World {
         time * (SPEED_UP * speed + acceleration * time)
     }
 
-    /// Moves the world by so many steps, for which the lists hold.
+    /// Moves the world by `n` steps, for which the lists hold.
+    // One loop over the state of all steps: its parts would share seven variables.
     fn sweep(&mut self, n: usize) -> Result<(), Error> {
         let mut clock = Clock::start(self.phases.is_some());
         let (mut contacts, mut motion) = (0.0, 0.0);
@@ -132,10 +133,12 @@ impl World {
         let mut longest = [0.0_f32; MOST_STEPS];
         self.wall_load.fill(Vector3::zeros());
         self.wall_torque.fill(0.0);
+        // Each turn does one of two things for one part and one step: it moves the bodies, or finds their contacts.
         while moved[n - 1] < parts.len() {
-            // The latest step that can go on: what it needs is in the cache.
+            // The latest step that can go on: its data are in the cache.
             for step in (0..n).rev() {
                 let k = moved[step];
+                // All parts whose contacts act on these bodies have added their loads.
                 if k < parts.len() && found[step] > self.last_partners[k] {
                     let part = &parts[k];
                     part.give_wall_forces(&mut Loads::of(&mut loads));
@@ -154,6 +157,7 @@ impl World {
                     break;
                 }
                 let k = found[step];
+                // These bodies have made the step before, and so have their partners, which are in earlier parts.
                 if k < parts.len() && (step == 0 || moved[step - 1] > k) {
                     let (workspace, mut all) = (&mut workspaces[0], Loads::of(&mut loads));
                     let (part, context) = (&mut parts[k], self.context());
@@ -193,7 +197,8 @@ impl World {
         advance(self.level, false, own, &self.templates, &around)
     }
 
-    /// Refuses a sweep in which the lists did not hold up to the last step: a body has run away.
+    /// Refuses a sweep in which the lists did not hold up to the last step: a body has run away. Checked afterwards, because the
+    /// bound of the sweep is an estimate and not a proof.
     fn check_ways(&self, longest: f32) -> Result<(), Error> {
         if f64::from(longest) <= 0.5 * self.settings.margin {
             return Ok(());

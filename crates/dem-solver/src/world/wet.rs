@@ -56,7 +56,6 @@ impl World {
         analytic.chain(self.mesh_walls.bodies_at_materials())
     }
 
-    /// Material of a body.
     fn material(&self, body: usize) -> usize {
         self.templates[self.bodies.template[body]].material
     }
