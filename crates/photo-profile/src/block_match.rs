@@ -47,7 +47,7 @@ impl Block {
     }
 }
 
-/// Searches a block within a reach along the columns and the rows (cells); none where its best place lies at the end of the
+/// Searches a block within a reach along the columns and the rows (cells); none if its best place lies at the end of the
 /// reach. `grey` gives the other picture in the cells of the block.
 ///
 /// # Formula
@@ -117,7 +117,7 @@ mod tests {
     use super::{Block, find_again};
 
     /// A texture of waves of 12 to 40 cells, moved by whole and broken numbers of cells: the parabola is off by less than 0.03
-    /// of a cell, since it is no parabola. Half a cell off the grid, a wave of 12.6 cells correlates by cos(0.25) = 0.97.
+    /// of a cell, since it is not a parabola. Half a cell off the grid, a wave of 12.6 cells correlates by cos(0.25) = 0.97.
     #[test]
     fn a_moved_block_is_found_between_the_cells() {
         let wave = |x: f64, y: f64| {

@@ -198,7 +198,7 @@ pub(crate) fn channel_below_sky(
     for k in 0..n {
         histogram[usize::from(crate::pixels::to_level(off(k)))] += 1;
     }
-    let Some(threshold) = crate::otsu::threshold(&histogram) else {
+    let Some(threshold) = crate::otsu_threshold(&histogram) else {
         return Channel::Luma;
     };
     let (bed, air): (Vec<usize>, Vec<usize>) = (0..n).partition(|k| off(*k) > threshold);

@@ -1,9 +1,9 @@
 //! Reading a picture file: size checked first, cut files refused, orientation honoured.
 
+use crate::Error;
 use crate::film::{Film, is_film};
 use crate::jpeg_end::reaches_end;
 use crate::pixels::to_level;
-use crate::{Error, PhotoPixels};
 use image::codecs::gif::GifDecoder;
 use image::codecs::png::PngDecoder;
 use image::{AnimationDecoder as _, DynamicImage, ImageDecoder as _, ImageFormat, ImageReader};
@@ -203,14 +203,4 @@ fn on_white(picture: DynamicImage) -> DynamicImage {
         pixel.0 = [over(red), over(green), over(blue), 255];
     }
     DynamicImage::ImageRgba8(seen).into_rgb8().into()
-}
-
-impl PhotoPixels {
-    /// Reads a picture file as grey values.
-    ///
-    /// # Errors
-    /// As [`read_photo`].
-    pub fn from_file(path: &Path) -> Result<Self, Error> {
-        read_photo(path).map(|picture| Self::from_picture(&picture))
-    }
 }

@@ -43,9 +43,8 @@ pub(crate) struct FoundDrum {
 /// Why no drum was found, and what came nearest to one.
 #[derive(Debug, Clone)]
 pub(crate) struct NotFound {
-    /// The reason.
     pub(crate) reason: Refusal,
-    /// The best circle; none where no part of a circle shows.
+    /// The best circle; none if no part of a circle shows.
     pub(crate) candidate: Option<DrumPixels>,
 }
 

@@ -3,7 +3,6 @@
 use crate::PhotoPixels;
 use crate::pixels::to_f32;
 
-/// A point on an edge.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct EdgePoint {
     /// Horizontal coordinate, px.

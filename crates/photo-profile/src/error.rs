@@ -35,7 +35,7 @@ pub enum Error {
         /// The first of them.
         path: PathBuf,
     },
-    /// The file is no picture of a known format, or is damaged.
+    /// The file is not a picture of a known format, or is damaged.
     #[error("cannot decode {} (PNG, JPEG, BMP, GIF, TIFF and WebP are read)", path.display())]
     Decode {
         /// The file.
@@ -43,7 +43,7 @@ pub enum Error {
         /// Why.
         source: image::ImageError,
     },
-    /// The file is no film that can be decoded, or not to its end.
+    /// The file is not a film that can be decoded, or not to its end.
     #[error("cannot decode the film {}: {reason}", path.display())]
     Film {
         /// The file.

@@ -16,11 +16,11 @@ const NAMED: usize = 3;
 pub struct PictureFiles {
     /// Pictures to read; those of a folder in the order of their names, numbers in them by their value.
     pub files: Vec<PathBuf>,
-    /// Files that are no photos.
+    /// Files that are not photos.
     pub left_out: Vec<LeftOut>,
 }
 
-/// A file that is no photo.
+/// A file that is not a photo.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LeftOut {
     /// The file.
@@ -29,7 +29,7 @@ pub struct LeftOut {
     pub why: NoPhoto,
 }
 
-/// Why a file is no photo.
+/// Why a file is not a photo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NoPhoto {
     /// A picture that this crate drew over a photo, see [`crate::overlay`]: the photo itself would count twice.

@@ -26,9 +26,7 @@ pub(crate) fn is_film(path: &Path) -> bool {
 pub(crate) struct Film {
     /// The file.
     path: PathBuf,
-    /// The program.
     program: Child,
-    /// Its pictures.
     pictures: BufReader<ChildStdout>,
     /// What it complains about.
     complaints: Option<JoinHandle<String>>,
@@ -183,7 +181,7 @@ fn rate_of(path: &Path) -> Result<[u32; 2], Error> {
     }
 }
 
-/// A path that is no protocol to `ffmpeg`, whatever colons it has.
+/// A path that is not a protocol to `ffmpeg`, whatever colons it has.
 fn place(path: &Path) -> std::ffi::OsString {
     let mut place = std::ffi::OsString::from("file:");
     place.push(path);

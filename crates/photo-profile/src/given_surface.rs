@@ -112,6 +112,7 @@ fn read(
     let surface = through(&line)?;
     let step = STEP * circle.radius;
     let mut squares = [0.0; 3];
+    // The places err independently: the squares of what each of them changes add up.
     for place in 0..places.len() {
         let moved = through(&line.with_moved(place, step))?.angle;
         let [from, to] = [surface.angle, moved].map(|a| [a.line, a.mid, a.chord]);
@@ -119,13 +120,9 @@ fn read(
             squares[k] += ((to[k] - from[k]) / step).powi(2);
         }
     }
-    let freedom = (places.len() - CUBIC) as f64;
-    let by_scatter =
-        t_two_sided_quantile(0.05, freedom).unwrap_or(HALF_INTERVAL) * line.scatter(circle.radius);
-    let half = by_scatter.max(HALF_INTERVAL * pointing);
-    let errors =
+    let half = half_interval(&line, circle.radius, places.len(), pointing);
+    let [line_error, mid_error, chord_error] =
         squares.map(|sum| (half * sum.sqrt() / HALF_INTERVAL).hypot(settings.camera_roll_error));
-    let [line_error, mid_error, chord_error] = errors;
     let angle = SurfaceAngle {
         standard_error: line_error,
         mid_standard_error: mid_error,
@@ -156,6 +153,14 @@ fn read(
         channel: Channel::Luma,
         quality: (surface.covered / REACH).clamp(0.0, 1.0),
     })
+}
+
+/// Half of the 95 % interval of a place across the line (px): its scatter about a cubic by Student's factor, as the four
+/// coefficients are fitted to few places, or the error of pointing if that is larger.
+fn half_interval(line: &Line, radius: f64, places: usize, pointing: f64) -> f64 {
+    let freedom = (places - CUBIC) as f64;
+    let factor = t_two_sided_quantile(0.05, freedom).unwrap_or(HALF_INTERVAL);
+    (factor * line.scatter(radius)).max(HALF_INTERVAL * pointing)
 }
 
 /// Places in the frame of the direction in which they spread most.

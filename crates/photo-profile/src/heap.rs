@@ -60,7 +60,7 @@ pub struct HeapReading {
     pub tops: [f64; 2],
     /// Inclinations of the lower halves, rad.
     pub toes: [f64; 2],
-    /// Inclination of the base beside the heap, positive when it rises to the right, rad; none where it does not show.
+    /// Inclination of the base beside the heap, positive when it rises to the right, rad; none if it does not show.
     pub base: Option<f64>,
     /// How far above the foot the camera stands by the bulge of the heap's lower edge, or by its feet if that edge does not show,
     /// rad; none if these do not show either.
@@ -116,6 +116,38 @@ impl HeapShare {
     }
 }
 
+/// Level coordinates, y up, in cells of the shrunk picture.
+struct LevelFrame {
+    /// Sine and cosine of the roll of the camera.
+    sin: f64,
+    cos: f64,
+    /// Side of a cell, px.
+    scale: f64,
+}
+
+impl LevelFrame {
+    fn new(camera_roll: f64, scale: f64) -> Self {
+        let (sin, cos) = camera_roll.sin_cos();
+        Self { sin, cos, scale }
+    }
+
+    fn of_cell(&self, column: f64, row: f64) -> SurfacePoint {
+        SurfacePoint {
+            x: column * self.cos - row * self.sin,
+            y: -column * self.sin - row * self.cos,
+        }
+    }
+
+    fn to_picture(&self, p: &SurfacePoint) -> PixelPoint {
+        // The centre of a cell is half a cell in, that of a pixel half a pixel.
+        let in_picture = |cell: f64| (cell + 0.5) * self.scale - 0.5;
+        PixelPoint {
+            x: in_picture(p.x * self.cos - p.y * self.sin),
+            y: in_picture(-p.x * self.sin - p.y * self.cos),
+        }
+    }
+}
+
 /// Finds the outline of a heap and measures it.
 pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<HeapReading, Unfit> {
     let HeapShare {
@@ -124,25 +156,13 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<He
         scale,
         share,
     } = HeapShare::of(picture, settings)?;
-    let (mut outline, cut) = outline(&share);
-    let in_picture = |cell: f64| (cell + 0.5) * scale - 0.5;
-    outline.retain(|(i, j)| {
-        let (x, y) = (in_picture(*i), in_picture(*j));
-        !picture.is_hidden_near(PixelPoint { x, y }, 2.0 * scale)
-    });
-    let (sin, cos) = settings.camera_roll.sin_cos();
-    // Level coordinates, y up.
-    let level: Vec<SurfacePoint> = outline
-        .iter()
-        .map(|(i, j)| SurfacePoint {
-            x: i * cos - j * sin,
-            y: -i * sin - j * cos,
-        })
+    let frame = LevelFrame::new(settings.camera_roll, scale);
+    let (outline, cut) = outline(&share);
+    let level = outline.iter().map(|&(i, j)| frame.of_cell(i, j));
+    let level: Vec<SurfacePoint> = level
+        .filter(|p| !picture.is_hidden_near(frame.to_picture(p), 2.0 * scale))
         .collect();
-    let to_picture = |p: &SurfacePoint| PixelPoint {
-        x: in_picture(p.x * cos - p.y * sin),
-        y: in_picture(-p.x * sin - p.y * cos),
-    };
+    let to_picture = |p: &SurfacePoint| frame.to_picture(p);
     let unfit = |reason| Unfit {
         boundary: level.iter().map(to_picture).collect(),
         ..Unfit::from(reason)
@@ -150,7 +170,7 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<He
     if cut * 20 > share.width() {
         return Err(unfit(Refusal::HeapCut));
     }
-    let edge = LowerEdge::of(&share, (sin, cos));
+    let edge = LowerEdge::of(&share, &frame);
     let Cone {
         heap,
         mean_seen,
@@ -259,7 +279,7 @@ impl Cone {
     }
 }
 
-/// The share of bed in the largest connected part of it alone: dust, noise and what else stands about are no heap.
+/// The share of bed in the largest connected part of it alone: dust, noise and other objects are not part of a heap.
 fn largest_part(share: PhotoPixels) -> PhotoPixels {
     let (width, height) = (share.width(), share.height());
     let levels = share
@@ -312,11 +332,11 @@ impl LowerEdge {
     /// # Formula
     /// A round base of the radius R is seen from the elevation e as an ellipse with the half axes R and `R sin e`: the edge hangs by
     /// `b sqrt(1 - u^2)` at the part u of half the width, and b is the median of what each column says.
-    fn of(share: &PhotoPixels, (sin, cos): (f64, f64)) -> Option<Self> {
+    fn of(share: &PhotoPixels, frame: &LevelFrame) -> Option<Self> {
         let (width, height) = (share.width(), share.height());
         let level = |i: usize, j: usize| {
-            let (column, row) = (i as f64, j as f64);
-            (column * cos - row * sin, -column * sin - row * cos)
+            let SurfacePoint { x, y } = frame.of_cell(i as f64, j as f64);
+            (x, y)
         };
         let columns = (0..width).filter_map(|i| {
             let is_bed = |j: &usize| share.values()[j * width + i] >= 0.5;

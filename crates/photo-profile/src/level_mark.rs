@@ -42,7 +42,7 @@ pub fn mark_error(places: [PixelPoint; 2]) -> f64 {
 /// Turn of a mark that runs `along` its direction in a picture that is level, and `aside`, px.
 fn roll(along: f64, aside: f64) -> Result<f64, Error> {
     let length = along.hypot(aside);
-    // Also what is no number.
+    // Also what is not a number.
     if !(length.is_finite() && length >= SHORTEST && aside.abs() <= along) {
         return Err(Error::BadMark {
             length,
@@ -81,7 +81,7 @@ mod tests {
         }
     }
 
-    /// A mark of a few pixels tells no angle, and one that lies is no plumb line.
+    /// A mark of a few pixels tells no angle, and one that lies is not a plumb line.
     #[test]
     fn a_mark_that_tells_no_horizontal_is_refused() {
         let places = |x: f64, y: f64| [PixelPoint { x: 0.0, y: 0.0 }, PixelPoint { x, y }];

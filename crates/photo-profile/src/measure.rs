@@ -12,7 +12,6 @@ use crate::{
     PixelPoint, PixelRegion, Refusal, RefusedReading, Settings,
 };
 use image::GrayImage;
-use std::path::Path;
 use surface_profile::{
     DrumCircle, Field, SurfacePoint, SurfaceReading, bulk_level, free_surface, read_surface,
     shell_ends,
@@ -24,16 +23,6 @@ const SMOOTHING: f64 = 0.03;
 const LEAST_SIDE: u32 = 64;
 /// Largest roughness, in drum radii: twice that of seeds of a seventh of the radius.
 pub(crate) const MOST_ROUGHNESS: f64 = 0.1;
-
-/// Measures the angle in a picture file.
-///
-/// # Errors
-/// What [`crate::read_photo`] and [`Settings::check`] refuse. A picture that was read but shows no
-/// measurable surface is [`PhotoReading::Refused`], not an error.
-pub fn measure_file(path: &Path, settings: &Settings) -> Result<PhotoReading, Error> {
-    settings.check()?;
-    measure_photo(&PhotoPixels::from_file(path)?, settings)
-}
 
 /// Measures the angle in a grey picture, for example a rendered frame.
 ///
@@ -235,6 +224,7 @@ impl Disc {
 }
 
 /// Measures the surface in the disc of a drum.
+// Long because each of its refusals needs the boundary and the line found before it.
 fn read_surface_of(
     picture: &PhotoPixels,
     disc: &Disc,
@@ -330,7 +320,6 @@ impl From<Refusal> for Unfit {
 }
 
 impl Unfit {
-    /// The refused reading.
     fn refused(self, drum: Option<DrumPixels>) -> RefusedReading {
         RefusedReading {
             boundary: self.boundary,

@@ -11,8 +11,8 @@
 /// `[Otsu1979, eq. 18]`; the middle of the means instead of the level is ours. Counts are u64 and
 /// sums f64, so that no picture size overflows.
 ///
-/// Returns `None` for fewer than two occupied levels.
-pub(crate) fn threshold(histogram: &[u64; 256]) -> Option<f64> {
+/// `None` for fewer than two occupied levels.
+pub fn otsu_threshold(histogram: &[u64; 256]) -> Option<f64> {
     let total: u64 = histogram.iter().sum();
     let sum: f64 = histogram
         .iter()
@@ -40,7 +40,7 @@ pub(crate) fn threshold(histogram: &[u64; 256]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::threshold;
+    use super::otsu_threshold;
 
     /// Two spikes: the middle is exact. Counts of 4e9 overflow 32 bits, as 255 times them does.
     #[test]
@@ -48,14 +48,14 @@ mod tests {
         let mut histogram = [0; 256];
         histogram[40] = 4_000_000_000;
         histogram[250] = 9_000_000_000;
-        assert_eq!(threshold(&histogram), Some(145.0));
+        assert_eq!(otsu_threshold(&histogram), Some(145.0));
     }
 
     #[test]
     fn one_level_has_no_threshold() {
         let mut histogram = [0; 256];
         histogram[7] = 10;
-        assert_eq!(threshold(&histogram), None);
-        assert_eq!(threshold(&[0; 256]), None);
+        assert_eq!(otsu_threshold(&histogram), None);
+        assert_eq!(otsu_threshold(&[0; 256]), None);
     }
 }

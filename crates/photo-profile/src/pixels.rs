@@ -6,9 +6,9 @@ use image::{DynamicImage, GrayImage, RgbImage};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// A channel tells something of its own where more than this part of the pixels are no grey.
+/// A channel tells something of its own where more than this part of the pixels is not grey.
 const LEAST_COLOURED: f64 = 1e-3;
-/// A pixel is no grey where its channels differ by more than so many levels.
+/// A pixel is not grey if its channels differ by more than so many levels.
 const GREY: u8 = 8;
 
 /// A picture as grey values, 0 to 255, row by row from the top; a colour picture holds its colours besides.
@@ -20,7 +20,7 @@ pub struct PhotoPixels {
     height: usize,
     /// Grey levels 0 to 255, shape (height, width).
     values: Vec<f32>,
-    /// The same picture in colour; none where it is grey.
+    /// The same picture in colour; none if it is grey.
     colour: Option<Arc<RgbImage>>,
     /// Places that show neither bed nor air.
     hidden: Option<Hidden>,

@@ -96,7 +96,7 @@ impl Rays {
         let typical = strengths[N_RAYS * 3 / 4];
         let length = self.slopes[0].len() as f64 * self.step;
         let noise = if self.edge_width() > WIDE * length {
-            // A blur this wide fills the window with slopes that are no noise.
+            // A blur this wide fills the window with slopes that are not noise.
             (4.0 * noise).min(0.5 * typical)
         } else {
             4.0 * noise
@@ -143,7 +143,7 @@ impl Rays {
             .collect()
     }
 
-    /// The steepest grey step of one ray, by the vertex of the parabola about it; none where it
+    /// The steepest grey step of one ray, by the vertex of the parabola about it; none if it
     /// has no top within the window.
     pub(crate) fn steepest_on(&self, ray: usize) -> Option<RimPoint> {
         let slopes = &self.slopes[ray];

@@ -207,7 +207,7 @@ pub struct DrumReading {
     /// The angle and the shape of the surface.
     pub angle: SurfaceAngle,
     /// Share of the drum that the bed takes: of the disc within 0.96 of the radius, where the smoothed bed share is above
-    /// half of its bulk value; none where the surface was pointed at.
+    /// half of its bulk value; none if the surface was pointed at.
     pub fill_level: Option<f64>,
     /// Directions in which the bed ends at the shell, from straight down, counter-clockwise positive, rad: the clockwise end
     /// and the other. None of a bed that fills the shell all round, and where the surface was pointed at.
@@ -242,7 +242,7 @@ pub struct RefusedReading {
     pub drum: Option<DrumPixels>,
     /// Where the bed ends at the shell, as in [`DrumReading::ends`]; told also where its surface has no angle.
     pub ends: Option<[f64; 2]>,
-    /// The best circle of a search that found no drum, or a second drum, px; none where no part of a circle shows.
+    /// The best circle of a search that found no drum, or a second drum, px; none if no part of a circle shows.
     pub candidate: Option<DrumPixels>,
     /// Points of the boundary that was found, px.
     pub boundary: Vec<PixelPoint>,
@@ -341,7 +341,7 @@ impl From<RefusedReading> for PhotoReading {
 }
 
 impl DrumReading {
-    /// Toe and top of the bed at the shell; none where the bed has no ends.
+    /// Toe and top of the bed at the shell; none if the bed has no ends.
     pub fn bed_ends(&self) -> Option<BedEnds> {
         let [clockwise, other] = self.ends?;
         Some(match self.angle.high_side {

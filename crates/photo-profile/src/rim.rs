@@ -269,7 +269,7 @@ fn refine(
     (!kept.is_empty()).then_some((circle, kept))
 }
 
-/// The inner edge of a thin solid rim; none where the rim is not one.
+/// The inner edge of a thin solid rim; none if the rim is not one.
 ///
 /// Along the air both edges of such a rim show, along a bed of its tone the outer one only, and a circle through the
 /// steepest steps follows the inner edge here and the outer one there. Where enough rays show two edges at one distance,

@@ -3,7 +3,7 @@
 use crate::light::local_share;
 use crate::pixels::to_f32;
 use crate::view::{DiscView, REACH};
-use crate::{Foreground, Refusal, otsu};
+use crate::{Foreground, Refusal, otsu_threshold};
 use surface_profile::median;
 
 /// Classes of grey level for the search of the cut.
@@ -57,7 +57,7 @@ impl BedShare {
 ///
 /// The air is the upper side of the straight cut that tells most about the grey level. Its
 /// median grey is the air tone; a cell is bed by its distance from that tone. The threshold is
-/// that of [`otsu::threshold`], made local by [`local_share`].
+/// that of [`otsu_threshold`], made local by [`local_share`].
 pub(crate) fn bed_share(view: &DiscView, foreground: Foreground) -> Result<BedShare, Refusal> {
     let gray = view.gray.values();
     let sides = straight_sides(view, gray).ok_or(Refusal::OneTone { difference: 0.0 })?;
@@ -183,7 +183,7 @@ fn threshold(inside: &[bool], distance: &[f32]) -> Result<f64, Refusal> {
         let level = value.round().clamp(0.0, 255.0) as usize;
         histogram[level] += 1;
     }
-    otsu::threshold(&histogram).ok_or(Refusal::OneTone { difference: 0.0 })
+    otsu_threshold(&histogram).ok_or(Refusal::OneTone { difference: 0.0 })
 }
 
 /// The cells on either side of the straight cut that tells most about the level.
@@ -196,7 +196,7 @@ pub(crate) struct Sides {
     pub(crate) information: f64,
 }
 
-/// Parts the cells of a view by the straight cut that tells most about their levels; none where no cut tells anything.
+/// Parts the cells of a view by the straight cut that tells most about their levels; none if no cut tells anything.
 pub(crate) fn straight_sides(view: &DiscView, levels: &[f32]) -> Option<Sides> {
     let (cut, information) = best_cut(view, levels)?;
     let inside = (0..levels.len()).filter(|k| view.inside[*k]);

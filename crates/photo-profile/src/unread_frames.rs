@@ -41,7 +41,7 @@ pub struct SelectionBias {
 }
 
 impl SelectionBias {
-    /// Of a series that was read and the number of frames beside it without a value; none where there are none.
+    /// Of a series that was read and the number of frames beside it without a value; none if there are none.
     pub fn new(read: &SeriesSummary, left_out: usize) -> Option<Self> {
         let of = read.n + left_out;
         let share = left_out as f64 / of as f64;

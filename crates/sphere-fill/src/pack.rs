@@ -104,7 +104,6 @@ fn is_thin(body: &Body<'_>, settings: &FillSettings) -> bool {
     body.inscribed_radius < THIN * settings.radius
 }
 
-/// Spheres of centres in radii.
 pub(crate) fn in_metres(centres: &[Vector3<f64>], radius: f64) -> Vec<Sphere> {
     let sphere = |centre: &Vector3<f64>| Sphere {
         centre: centre * radius,

@@ -18,7 +18,7 @@ const SHAKE: f64 = 0.25;
 ///
 /// On the two cotton seeds one run each at 0.01 and 0.05 ended at 0.5e-3 to 1.2e-3 squared radii with
 /// one sphere more than fits, at 0.2 at 0.9e-3 and 1.9e-3: single runs, which tell little more than
-/// that it is no knife's edge.
+/// that it is not a knife's edge.
 const WARMTH: f64 = 0.02;
 
 /// Hops without a new lowest energy before the walk goes back to the lowest.

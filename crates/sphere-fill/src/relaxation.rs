@@ -332,7 +332,6 @@ fn dot(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
 }
 
-/// a += factor b.
 fn add(a: &mut [Vector3<f64>], b: &[Vector3<f64>], factor: f64) {
     a.iter_mut().zip(b).for_each(|(a, b)| *a += b * factor);
 }

@@ -110,7 +110,7 @@ fn at_most(what: &'static str, value: f64, most: f64) -> Result<(), Error> {
     }
 }
 
-/// Refuses what is no positive finite number.
+/// Refuses what is not a positive finite number.
 pub(crate) fn positive(what: &'static str, value: f64) -> Result<(), Error> {
     if value.is_finite() && value > 0.0 {
         Ok(())

@@ -195,7 +195,6 @@ impl<'a> SurfaceFit<'a> {
     }
 }
 
-/// Nearest sphere surfaces of all samples.
 fn nearest_of(samples: &[SurfaceSample], spheres: &[Sphere]) -> Vec<Nearest> {
     let one = |sample: &SurfaceSample| {
         let mut found = Nearest {

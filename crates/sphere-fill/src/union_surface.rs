@@ -19,7 +19,7 @@ const MOST_NODES: f64 = 4e8;
 ///
 /// # Errors
 ///
-/// A cell that is no positive number, or so small that the grid has more nodes than are kept.
+/// A cell that is not a positive number, or so small that the grid has more nodes than are kept.
 pub fn union_surface(spheres: &[Sphere], cell: f64) -> Result<Vec<[Vector3<f64>; 3]>, Error> {
     crate::settings::positive("the cell in m", cell)?;
     let grid = grid_round(spheres, cell)?;
@@ -32,7 +32,6 @@ pub fn union_surface(spheres: &[Sphere], cell: f64) -> Result<Vec<[Vector3<f64>;
 /// Where edges leave the union: by inner and outer node, the share of the edge.
 type Crossings = HashMap<[usize; 2], f64>;
 
-/// A grid of cubes round spheres.
 fn grid_round(spheres: &[Sphere], cell: f64) -> Result<CubeGrid, Error> {
     let mut low = Vector3::repeat(f64::INFINITY);
     let mut high = Vector3::repeat(f64::NEG_INFINITY);

@@ -48,7 +48,7 @@ impl TriMesh {
     ///
     /// # Errors
     ///
-    /// What is left is no body.
+    /// What is left is not a body.
     pub fn largest_body(&self) -> Result<CheckedMesh, Error> {
         let shells = self.shells();
         let Some((largest, others)) = shells.split_first() else {

@@ -45,7 +45,6 @@ struct Node {
     count: usize,
 }
 
-/// The tree.
 #[derive(Debug, Clone)]
 pub(crate) struct BoundingTree {
     /// Nodes, the root first.

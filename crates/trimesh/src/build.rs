@@ -74,7 +74,6 @@ pub(crate) fn build(
     drop_unused(&mut welded.vertices, &mut welded.triangles);
     let (edges, changes) = mend(&mut welded, repair);
     let rims = rims_of(&welded.triangles, &edges);
-    let is_damaged = !(edges.open.is_empty() && edges.crowded.is_empty());
     let widths = rims.iter().map(|rim| width_of(rim, &welded.vertices));
     let turned = turn_outward(&welded.vertices, &mut welded.triangles, &edges);
     let crossings = Crossings::new(&welded.vertices, &welded.triangles);
@@ -93,13 +92,7 @@ pub(crate) fn build(
         crossings: crossings.pairs.len(),
         first_crossing: crossings.first,
         folded_share: crossings.folded,
-        way_out: is_damaged.then(|| {
-            let tried = Tried {
-                cut_share: changes.cut_share,
-                closed: widest_closed(&welded.vertices, repair.close_holes),
-            };
-            Proposal::of(&welded, &edges, &rims, turned.shells, &tried)
-        }),
+        way_out: way_out(&welded, &edges, &rims, (&changes, turned.shells), repair),
     };
     if crossings.unfinished {
         warnings.push(Warning::CrossingsUnfinished);
@@ -116,14 +109,31 @@ pub(crate) fn build(
         triangles_turned: turned.count,
         changes,
     };
-    let mut report = report_of(&mesh, unit, counts);
-    warnings.append(&mut report.warnings);
-    report.warnings = warnings;
+    warnings.extend(warnings_of(&mesh, unit, &counts));
+    let report = report_of(&mesh, unit, counts, warnings);
     let checked = CheckedMesh { mesh, report };
     match repair.rebuild {
         Some(cell) => rebuild(checked, cell, repair.crumbs),
         None => Ok(checked),
     }
+}
+
+/// What would mend a mesh with open or crowded edges; `None` without them.
+fn way_out(
+    welded: &Welded,
+    edges: &Edges,
+    rims: &[Vec<usize>],
+    (changes, shells): (&Changes, usize),
+    repair: &Repair,
+) -> Option<Proposal> {
+    if edges.open.is_empty() && edges.crowded.is_empty() {
+        return None;
+    }
+    let tried = Tried {
+        cut_share: changes.cut_share,
+        closed: widest_closed(&welded.vertices, repair.close_holes),
+    };
+    Some(Proposal::of(welded, edges, rims, shells, &tried))
 }
 
 /// Joins open edges, cuts crumbs away and closes holes, as far as that is allowed. Where the surface is made anew, only what is
@@ -299,8 +309,8 @@ fn refuse_flat(vertices: &[Vector3<f64>], source: &str) -> Result<(), Error> {
     })
 }
 
-/// Collects figures and warnings.
-fn report_of(mesh: &TriMesh, unit: LengthUnit, repairs: Repairs) -> MeshReport {
+/// Warnings of a mesh and of what was repaired.
+fn warnings_of(mesh: &TriMesh, unit: LengthUnit, repairs: &Repairs) -> Vec<Warning> {
     let topology = mesh.topology();
     let bounding_box = mesh.bounding_box();
     let counted = [
@@ -345,6 +355,17 @@ fn report_of(mesh: &TriMesh, unit: LengthUnit, repairs: Repairs) -> MeshReport {
             bodies: topology.bodies,
         });
     }
+    warnings
+}
+
+/// Collects the figures.
+fn report_of(
+    mesh: &TriMesh,
+    unit: LengthUnit,
+    repairs: Repairs,
+    warnings: Vec<Warning>,
+) -> MeshReport {
+    let topology = mesh.topology();
     MeshReport {
         source: mesh.source.clone(),
         unit,
@@ -357,7 +378,7 @@ fn report_of(mesh: &TriMesh, unit: LengthUnit, repairs: Repairs) -> MeshReport {
         triangles_turned: repairs.triangles_turned,
         holes_closed: repairs.changes.lids.len(),
         changes: repairs.changes,
-        bounding_box,
+        bounding_box: mesh.bounding_box(),
         area: (0..mesh.triangles.len())
             .map(|t| area_vector(&mesh.corners(t)).norm())
             .sum(),

@@ -7,7 +7,7 @@ use rustc_hash::FxHashSet;
 /// and is then about half a second.
 const LONGEST: usize = 600;
 
-/// Triangulates a rim with the least area; none where chords that are taken leave no way.
+/// Triangulates a rim with the least area; none if chords that are taken leave no way.
 ///
 /// # Formula
 ///

@@ -82,7 +82,7 @@ pub struct Topology {
     pub first_crossing: Option<Vector3<f64>>,
     /// Share of the area that does not part inside from outside, where triangles cross.
     pub folded_share: f64,
-    /// What would mend open edges and those of more than two triangles; none where there are none.
+    /// What would mend open edges and those of more than two triangles; none if there are none.
     pub way_out: Option<Proposal>,
 }
 
@@ -166,14 +166,13 @@ impl TriMesh {
             .way_out
             .unwrap_or_else(|| Proposal::rebuilt(&self.bounding_box()));
         let way_out = Box::new(way_out);
-        let in_mm = |place: Option<Vector3<f64>>| place.unwrap_or_default() * 1e3;
+        let in_mm =
+            |place: Option<Vector3<f64>>| -> [f64; 3] { (place.unwrap_or_default() * 1e3).into() };
         if topology.open_edges > 0 {
-            let at = in_mm(topology.first_open_edge);
-            let open_edges = topology.open_edges;
-            let (x, y, z) = (at.x, at.y, at.z);
+            let [x, y, z] = in_mm(topology.first_open_edge);
             return Err(Error::Open {
                 file,
-                open_edges,
+                open_edges: topology.open_edges,
                 holes: topology.holes,
                 widest_mm: topology.widest_hole * 1e3,
                 x,
@@ -183,12 +182,10 @@ impl TriMesh {
             });
         }
         if topology.non_manifold_edges > 0 {
-            let at = in_mm(topology.first_non_manifold_edge);
-            let edges = topology.non_manifold_edges;
-            let (x, y, z) = (at.x, at.y, at.z);
+            let [x, y, z] = in_mm(topology.first_non_manifold_edge);
             return Err(Error::NonManifold {
                 file,
-                edges,
+                edges: topology.non_manifold_edges,
                 x,
                 y,
                 z,
@@ -199,25 +196,24 @@ impl TriMesh {
             return Err(Error::NotOrientable { file });
         }
         if topology.bodies != 1 {
-            let (bodies, shells) = (topology.bodies, topology.shells);
             return Err(Error::SeveralBodies {
                 file,
-                bodies,
-                shells,
+                bodies: topology.bodies,
+                shells: topology.shells,
                 volumes_mm3: self.volumes_told(),
                 apart: topology.bodies_apart,
                 way_out,
             });
         }
         if topology.folded_share > MOST_FOLDED {
-            let at = in_mm(topology.first_crossing);
+            let [x, y, z] = in_mm(topology.first_crossing);
             return Err(Error::CutsItself {
                 file,
                 pairs: topology.crossings,
                 folded_percent: topology.folded_share * 100.0,
-                x: at.x,
-                y: at.y,
-                z: at.z,
+                x,
+                y,
+                z,
                 way_out,
             });
         }

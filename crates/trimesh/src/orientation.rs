@@ -34,7 +34,6 @@ pub(crate) struct Edges {
 struct Side {
     /// The vertex of higher index.
     other: u32,
-    /// Triangle.
     triangle: u32,
     /// Which of its sides, times two, plus one if it runs from the higher to the lower index.
     place: u8,
@@ -131,7 +130,6 @@ fn sides_by_lower_vertex(triangles: &[[usize; 3]]) -> (Vec<u32>, Vec<Side>) {
 pub(crate) struct Orientation {
     /// Shell of each triangle.
     shell_of: Vec<usize>,
-    /// Number of shells.
     pub(crate) shells: usize,
     /// Triangles whose corner order must be swapped.
     turned: Vec<bool>,

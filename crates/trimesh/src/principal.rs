@@ -36,7 +36,7 @@ impl VolumeMoments {
 }
 
 impl PrincipalAxes {
-    /// Angles to the axes of another body, rad, 0 to π/2; none where two moments of either body are so
+    /// Angles to the axes of another body, rad, 0 to π/2; none if two moments of either body are so
     /// near to each other (1 %) that the axis has no direction of its own.
     pub fn angles_to(&self, other: &Self) -> [Option<f64>; 3] {
         [0, 1, 2].map(|k| {

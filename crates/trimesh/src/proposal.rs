@@ -8,7 +8,7 @@ use crate::weld::Welded;
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// Largest share of the area that is proposed to be cut away: more is no crumb but a part.
+/// Largest share of the area that is proposed to be cut away: more is not a crumb but a part.
 const MOST_CRUMBS: f64 = 0.02;
 
 /// Open edges run along a crack where this share of their vertices has a vertex of another part of the rim nearer than half of
@@ -124,7 +124,7 @@ pub(crate) fn rounded_up(x: f64) -> f64 {
 }
 
 /// Width of the crack along which the open edges lie: the largest distance of a vertex on them to the nearest one that no open
-/// edge joins it with, of those that have one nearer than half of their edges; none where these are too few.
+/// edge joins it with, of those that have one nearer than half of their edges; none if these are too few.
 fn gap_of_crack(vertices: &[Vector3<f64>], edges: &Edges) -> Option<f64> {
     let mut neighbours: Vec<[usize; 2]> = edges
         .open
@@ -275,7 +275,7 @@ mod tests {
         assert!((gap / 2.2e-5 - 1.0).abs() < 1e-6, "{gap}");
     }
 
-    /// Halves that lie farther apart than their edges are long are no crack; two lids would make two bodies. A slit is closed by
+    /// Halves that lie farther apart than their edges are long are not a crack; two lids would make two bodies. A slit is closed by
     /// no flat lid.
     #[test]
     fn a_wide_gap_and_a_slit_are_made_anew() {

@@ -14,7 +14,7 @@ use std::path::Path;
 ///
 /// # Errors
 ///
-/// The file cannot be read, is no whole mesh file, or holds no body; see [`Error`].
+/// The file cannot be read, is not a whole mesh file, or holds no body; see [`Error`].
 pub fn read_mesh(path: &Path, unit: LengthUnit) -> Result<CheckedMesh, Error> {
     read_mesh_with(path, unit, &Repair::default())
 }
@@ -39,7 +39,7 @@ pub fn read_mesh_with(
 ///
 /// # Errors
 ///
-/// The bytes are no whole mesh file or hold no body; see [`Error`].
+/// The bytes are not a whole mesh file or hold no body; see [`Error`].
 pub fn parse_mesh(bytes: Vec<u8>, unit: LengthUnit, file: &str) -> Result<CheckedMesh, Error> {
     let soup = soup_of(&bytes, file)?;
     drop(bytes);

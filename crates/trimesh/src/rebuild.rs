@@ -31,7 +31,7 @@ const HALVINGS: u32 = 6;
 ///
 /// # Errors
 ///
-/// A cell that is no positive number, so small that the grid has more nodes than are handled, or so large that nothing is inside; a
+/// A cell that is not a positive number, so small that the grid has more nodes than are handled, or so large that nothing is inside; a
 /// result that holds no body.
 pub(crate) fn rebuild(checked: CheckedMesh, cell: f64, crumbs: f64) -> Result<CheckedMesh, Error> {
     let CheckedMesh { mesh, report } = checked;
@@ -302,7 +302,7 @@ mod tests {
         }
     }
 
-    /// Cubes that are no length, too small for the memory, or larger than the body: told with the lengths that work.
+    /// Cubes that are not a length, too small for the memory, or larger than the body: refused with the lengths that work.
     #[test]
     fn cubes_that_cannot_be_meant_are_refused() {
         for cell in [0.0, -1.0, f64::NAN, 1e-3, 9.0] {

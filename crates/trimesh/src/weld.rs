@@ -132,7 +132,6 @@ impl Cubes {
     }
 }
 
-/// Hash of a cube.
 fn hash_of(cube: [i64; 3]) -> u64 {
     let mut hasher = FxHasher::default();
     cube.hash(&mut hasher);

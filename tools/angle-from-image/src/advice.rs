@@ -24,7 +24,8 @@ impl Advice {
 /// Largest error that `--max-error-deg` takes, degrees.
 const MOST_ERROR: f64 = 30.0;
 
-/// The advice for a reading; none for one that was measured.
+/// The advice for a reading, `None` for one that was measured.
+// Long because each refusal has its advice here.
 pub(crate) fn advice(reading: &PhotoReading) -> Option<Advice> {
     let refused = reading.refused()?;
     Some(match &refused.reason {
@@ -72,8 +73,7 @@ pub(crate) fn advice(reading: &PhotoReading) -> Option<Advice> {
             "take the picture from the side, with the camera as high as the foot of the heap: from there its flanks show",
         ),
         Refusal::HeapUncertain { error, .. } => {
-            let allowed = (10.0 * error).ceil() / 10.0;
-            let flag = (allowed <= MOST_ERROR).then(|| format!("--max-error-deg {allowed:.1}"));
+            let flag = error_flag(*error);
             let by = flag
                 .as_ref()
                 .map_or_else(String::new, |flag| format!(" with {flag}"));
@@ -113,13 +113,17 @@ fn by_circle(which: &str, circle: DrumPixels, more: &str) -> Advice {
 
 /// A surface whose error (degrees) is too large, its roughness allowed or not.
 fn too_rough(roughness_is_allowed: bool, error: f64) -> Advice {
-    let allowed = (10.0 * error).ceil() / 10.0;
-    if !(roughness_is_allowed && allowed <= MOST_ERROR) {
+    let Some(flag) = error_flag(error).filter(|_| roughness_is_allowed) else {
         return Advice::words("the grains are too coarse for this drum: take a larger one");
-    }
-    let flag = format!("--max-error-deg {allowed:.1}");
+    };
     Advice {
         words: format!("allow for the error with {flag}, and take the mean of many pictures"),
         flag: Some(flag),
     }
+}
+
+/// The flag that allows an error (degrees), rounded up to a tenth; none if that exceeds what the flag takes.
+fn error_flag(error: f64) -> Option<String> {
+    let allowed = (10.0 * error).ceil() / 10.0;
+    (allowed <= MOST_ERROR).then(|| format!("--max-error-deg {allowed:.1}"))
 }

@@ -10,7 +10,7 @@ const STEP: f64 = 0.1;
 /// Widest gap between two points of a surface that is bridged, drum radii.
 const GAP: f64 = 0.1;
 
-/// Height of the surface over the axis at each station, drum radii; none where it does not show.
+/// Height of the surface over the axis at each station, drum radii; none if it does not show.
 pub(crate) type Heights = [Option<f64>; STATIONS];
 
 /// Place of a station along the true horizontal, from the axis to the right, drum radii.

@@ -131,7 +131,6 @@ fn legend(mode: Mode) -> &'static str {
 struct Shown<'a> {
     /// Place in the order of all, from 1; also in the names of overlays.
     number: usize,
-    /// Its result.
     image: &'a ImageResult,
     /// What was found in it, as JPEG.
     jpeg: Option<&'a [u8]>,
@@ -195,7 +194,6 @@ impl Shown<'_> {
     }
 }
 
-/// Words as a sentence of their own.
 fn sentence(words: &str) -> String {
     let mut letters = words.chars();
     let first = letters.next().map(char::to_uppercase);
@@ -246,20 +244,7 @@ fn summary(
         page.paragraph(&format!("{}.", rough.text().trim()));
     }
     if all.len() > 1 {
-        if let Some(chart) = course(all, summary.mean_deg) {
-            let caption =
-                "The angle of each picture that has one, with its 95 % interval, and the mean.";
-            page.figure(&chart.draw()?, caption);
-        }
-        if let Some(interface) = &summary.interface {
-            let caption = "The mean surface of all measured pictures along the drum, with the standard deviation of its height \
-                           between them as bars.";
-            page.figure(&mean_surface(interface).draw()?, caption);
-        }
-        page.table(&list(all)?);
-        if let Some(table) = observables(output)? {
-            page.table(&table);
-        }
+        several(page, output, all)?;
     }
     for image in &output.images {
         if let Some(warning) = &image.warning {
@@ -268,6 +253,26 @@ fn summary(
     }
     if let Some(words) = &output.left_out {
         page.paragraph(&sentence(words));
+    }
+    Ok(())
+}
+
+/// Course, mean surface and tables of several pictures.
+fn several(page: &mut Report, output: &Output, all: &[Shown<'_>]) -> anyhow::Result<()> {
+    let summary = &output.summary;
+    if let Some(chart) = course(all, summary.mean_deg) {
+        let caption =
+            "The angle of each picture that has one, with its 95 % interval, and the mean.";
+        page.figure(&chart.draw()?, caption);
+    }
+    if let Some(interface) = &summary.interface {
+        let caption = "The mean surface of all measured pictures along the drum, with the standard deviation of its height \
+                       between them as bars.";
+        page.figure(&mean_surface(interface).draw()?, caption);
+    }
+    page.table(&list(all)?);
+    if let Some(table) = observables(output)? {
+        page.table(&table);
     }
     Ok(())
 }

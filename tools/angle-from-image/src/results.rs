@@ -23,7 +23,7 @@ pub(crate) struct ImageResult {
     pub(crate) frame: Option<usize>,
     /// Time of the picture by its place in the order of all, from 0, s; none without `--fps`.
     pub(crate) time_s: Option<f64>,
-    /// SHA-256 of the file; none where it could not be read.
+    /// SHA-256 of the file; none if it could not be read.
     pub(crate) sha256: Option<String>,
     /// Pixels of the picture along x and y; straightened where corners are given.
     pub(crate) picture_size_px: [u32; 2],
@@ -89,7 +89,7 @@ pub(crate) struct ImageResult {
     /// Which side stands higher.
     pub(crate) high_side: Option<HighSide>,
     /// The channel in which bed and air were parted: `luma`, `red`, `green`, `blue`, `saturation`, or a sum of channels in
-    /// words; none where the picture was not read.
+    /// words; none if the picture was not read.
     pub(crate) channel: Option<String>,
     /// The drum circle, px, y down.
     pub(crate) drum: Option<DrumPixels>,
@@ -162,7 +162,7 @@ pub(crate) struct HeapResult {
     pub(crate) right_top_deg: f64,
     /// Of its lower half, degrees.
     pub(crate) right_toe_deg: f64,
-    /// Inclination of the base, positive when it rises to the right, degrees; none where it does not show.
+    /// Inclination of the base, positive when it rises to the right, degrees; none if it does not show.
     pub(crate) base_deg: Option<f64>,
     /// How far above the foot the camera stands, as stated, or as the lower edge shows it, degrees: taken off from all inclinations.
     pub(crate) camera_elevation_deg: f64,
@@ -258,6 +258,7 @@ pub(crate) struct Origin {
 
 impl ImageResult {
     /// The result of one reading.
+    // Long because each key of the output has its line here.
     pub(crate) fn new(
         origin: Origin,
         picture_size_px: [u32; 2],

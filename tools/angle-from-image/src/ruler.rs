@@ -33,13 +33,11 @@ pub(crate) struct Ruler<'a> {
     n_files: usize,
     /// One picture of so many in a file is taken.
     step: usize,
-    /// Threads.
     pool: rayon::ThreadPool,
 }
 
 /// What one picture gave.
 pub(crate) struct MeasuredPicture {
-    /// The result.
     pub(crate) result: ImageResult,
     /// How it was taken.
     pub(crate) posture: Posture,
@@ -68,7 +66,6 @@ pub(crate) struct OpenFilm {
     frames: StepBy<Frames>,
     /// Pictures a second, by the file.
     rate: Option<f64>,
-    /// The file.
     file: PathBuf,
     /// SHA-256 of the file.
     sha256: String,
@@ -103,13 +100,13 @@ impl<'a> Ruler<'a> {
         AT_ONCE * self.pool.current_num_threads()
     }
 
-    /// Opens files, and measures those that are no films.
+    /// Opens files, and measures those that are not films.
     pub(crate) fn open_all(&self, files: &[PathBuf]) -> Vec<anyhow::Result<Opened>> {
         self.pool
             .install(|| files.par_iter().map(|file| self.open(file)).collect())
     }
 
-    /// Opens a file, and measures it where it is no film.
+    /// Opens a file, and measures it where it is not a film.
     fn open(&self, file: &Path) -> anyhow::Result<Opened> {
         let frames = read_frames(file)?;
         let (several, rate) = (frames.are_several(), frames.rate());
@@ -240,7 +237,6 @@ impl OpenFilm {
     }
 }
 
-/// A picture as PNG.
 fn png(picture: &image::RgbImage) -> anyhow::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     picture

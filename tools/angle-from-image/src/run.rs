@@ -7,7 +7,7 @@ use crate::ruler::{MeasuredPicture, Opened, Ruler};
 use crate::summary::Summary;
 use crate::table::csv;
 use command_line::{DONE, ERROR, Header, NOT_MET, write_new};
-use photo_profile::{PictureFiles, Posture, Settings, one_of, sideways};
+use photo_profile::{Mode, PictureFiles, Posture, Settings, one_of, sideways};
 use std::path::{Path, PathBuf};
 
 /// Measures all pictures and says what came out; returns the exit code.
@@ -36,7 +36,6 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
 /// What was measured so far.
 #[derive(Default)]
 struct Measured {
-    /// The results.
     images: Vec<ImageResult>,
     /// The pictures of the page; none for a file that could not be read, and where no page is asked for.
     shown: Vec<Option<Vec<u8>>>,
@@ -115,7 +114,7 @@ impl Measured {
     }
 }
 
-/// Refuses overlays that are no PNG, results in the place of a picture to be read, and results that cannot be written,
+/// Refuses overlays that are not PNG, results in the place of a picture to be read, and results that cannot be written,
 /// before any work is done.
 ///
 /// How many frames an animation has is not known here; a later overlay that exists stops the run.
@@ -201,16 +200,13 @@ fn report(
         },
         summary,
     };
-    if let Some(file) = &arguments.csv {
-        let text = csv(&output.images, settings.mode, interval.is_some());
-        let bytes = command_line::table_file::bytes_for(file, &text)?;
-        write_new(file, &bytes, arguments.common.overwrite())?;
-    }
-    if let Some(file) = &arguments.html {
-        let text = page(&output, &shown, settings.mode)?;
-        write_new(file, text.as_bytes(), arguments.common.overwrite())?;
-    }
-    arguments.common.emit_json(&output)?;
+    write_files(
+        arguments,
+        &output,
+        &shown,
+        settings.mode,
+        interval.is_some(),
+    )?;
     let summary = &output.summary;
     Ok(if summary.unread == output.images.len() {
         ERROR
@@ -219,4 +215,24 @@ fn report(
     } else {
         DONE
     })
+}
+
+/// Writes the table, the page and the JSON that are asked for.
+fn write_files(
+    arguments: &Arguments,
+    output: &Output,
+    shown: &[Option<Vec<u8>>],
+    mode: Mode,
+    timed: bool,
+) -> anyhow::Result<()> {
+    if let Some(file) = &arguments.csv {
+        let text = csv(&output.images, mode, timed);
+        let bytes = command_line::table_file::bytes_for(file, &text)?;
+        write_new(file, &bytes, arguments.common.overwrite())?;
+    }
+    if let Some(file) = &arguments.html {
+        let text = page(output, shown, mode)?;
+        write_new(file, text.as_bytes(), arguments.common.overwrite())?;
+    }
+    arguments.common.emit_json(output)
 }

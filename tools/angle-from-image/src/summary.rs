@@ -12,7 +12,6 @@ use surface_profile::{
 /// One observable over all measured pictures.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Spread {
-    /// Mean.
     pub(crate) mean: f64,
     /// Standard deviation between pictures; none of one.
     pub(crate) sd: Option<f64>,
@@ -32,7 +31,7 @@ pub(crate) struct TooRough {
     pub(crate) mean_deg: f64,
     /// That mean less the mean of the lines that were measured, degrees.
     pub(crate) difference_deg: f64,
-    /// Standard error of the difference, from the spread of both, degrees; none where one of them has one picture.
+    /// Standard error of the difference, from the spread of both, degrees; none if one of them has one picture.
     pub(crate) difference_se_deg: Option<f64>,
 }
 
@@ -89,7 +88,7 @@ impl TooRough {
 pub(crate) struct LargestBias {
     /// Pictures without an angle.
     n: usize,
-    /// The bound to either side, degrees; none where they are too many for one.
+    /// The bound to either side, degrees; none if they are too many for one.
     deg: Option<f64>,
     /// The same in standard errors of the mean.
     in_standard_errors: Option<f64>,
@@ -145,10 +144,10 @@ pub(crate) struct Summary {
     pub(crate) n_effective: Option<f64>,
     /// Pictures refused.
     pub(crate) refused: usize,
-    /// How far the mean of all pictures may lie from that of the measured ones at most; none where all were measured, or the measured
+    /// How far the mean of all pictures may lie from that of the measured ones at most; none if all were measured, or the measured
     /// ones tell no scatter.
     pub(crate) largest_bias: Option<LargestBias>,
-    /// What the surfaces refused as too rough would change; none where there are none, or nothing was measured.
+    /// What the surfaces refused as too rough would change; none if there are none, or nothing was measured.
     pub(crate) too_rough: Option<TooRough>,
     /// Files that could not be read.
     pub(crate) unread: usize,

@@ -30,7 +30,6 @@ const FIRST: [Column; 9] = [
 /// The time of a picture, where its rate is given.
 const TIME: Column = ("time_s", |i| number(i.time_s));
 
-/// Columns of a drum.
 const DRUM: [Column; 21] = [
     ("definition", |i| definition(i.definition).to_owned()),
     ("line_deg", |i| number(i.line_deg)),
@@ -55,7 +54,6 @@ const DRUM: [Column; 21] = [
     ("drum_radius_px", |i| number(i.drum.map(|d| d.r))),
 ];
 
-/// Columns of a heap.
 const HEAP: [Column; 15] = [
     ("left_deg", |i| number(i.heap.map(|h| h.left_deg))),
     ("left_standard_error_deg", |i| {

@@ -100,7 +100,6 @@ enum Work {
 }
 
 impl Work {
-    /// Prepares it.
     fn prepare(arguments: &Arguments, subject: Subject) -> anyhow::Result<Self> {
         Ok(match subject {
             Subject::Scene(BenchmarkScene::Seeds(count)) => {
@@ -182,7 +181,6 @@ struct Build {
 }
 
 impl Build {
-    /// Starts it.
     fn start(arguments: &Arguments, program: &Path, subject: Subject) -> anyhow::Result<Self> {
         let mut command = Command::new(program);
         command

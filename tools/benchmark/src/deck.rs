@@ -35,7 +35,6 @@ pub(crate) const SAMPLE: &str = "echo \"$(cut -d' ' -f1 /proc/$PPID/schedstat) \
 /// How a peer is run.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Plan {
-    /// Steps of a block.
     pub(crate) block_steps: usize,
     /// Blocks behind the first, which warms up.
     pub(crate) blocks: u32,

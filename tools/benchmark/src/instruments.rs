@@ -64,7 +64,6 @@ impl Instrument {
         }
     }
 
-    /// Its name.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Frame => "frame",

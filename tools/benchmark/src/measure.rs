@@ -15,7 +15,6 @@ pub(crate) struct Row {
     /// Touching pairs of spheres and of spheres and walls at the end; none for other codes.
     pub(crate) contacts: Option<usize>,
     pub(crate) time_step_s: f64,
-    /// Steps of a block.
     pub(crate) block_steps: usize,
     /// Cost of a step in each block, in the order of time.
     pub(crate) us_per_step_blocks: Vec<f64>,
@@ -23,7 +22,7 @@ pub(crate) struct Row {
     pub(crate) us_per_step: f64,
     pub(crate) sphere_steps_per_s: f64,
     pub(crate) cpu_s_per_simulated_s: f64,
-    /// Of the process; none where it has done other things before.
+    /// Of the process; none if it has done other things before.
     pub(crate) peak_memory_mib: Option<f64>,
     /// Direction of the centre of mass from straight down at the end, deg.
     pub(crate) centre_of_mass_deg: f64,
@@ -31,7 +30,7 @@ pub(crate) struct Row {
     pub(crate) kinetic_energy_uj: f64,
     /// Cost over that of this solver; none without peers.
     pub(crate) cost_over_seedloop: Option<f64>,
-    /// What the phases of a step cost; none where they are not asked for.
+    /// What the phases of a step cost; none if they are not asked for.
     pub(crate) phases: Option<Phases>,
 }
 

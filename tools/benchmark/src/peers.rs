@@ -32,7 +32,6 @@ enum Drum {
 }
 
 impl Drum {
-    /// The flow of a scene.
     fn flowing(arguments: &Arguments, scene: BenchmarkScene) -> anyhow::Result<Self> {
         Ok(match scene {
             BenchmarkScene::Spheres(count) => {

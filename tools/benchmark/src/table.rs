@@ -8,7 +8,7 @@ pub(crate) fn of_scenes(rows: &[Row]) -> String {
         million sphere-steps/s | CPU-s per simulated second | peak memory (MiB) |\n\
         |---|---|---|---|---|---|---|---|---|";
     lines(head, rows, |row| {
-        // A plain sphere is no seed.
+        // A plain sphere is not a seed.
         let seeds = if row.seeds == row.spheres {
             "-".into()
         } else {
@@ -64,7 +64,6 @@ pub(crate) fn of_peers(rows: &[Row]) -> String {
     })
 }
 
-/// A heading and a line for each row.
 fn lines(head: &str, rows: &[Row], line: impl Fn(&Row) -> String) -> String {
     let lines = rows.iter().map(line);
     std::iter::once(head.to_owned())

@@ -184,7 +184,7 @@ impl Arguments {
     ///
     /// # Errors
     ///
-    /// A length that is none, a share that is no percentage below 50.
+    /// A value that is not a length, a share that is not a percentage below 50.
     pub(crate) fn repair(&self) -> anyhow::Result<Repair> {
         let length = |flag: &str, text: &Option<String>| {
             let text = text.as_deref();

@@ -86,16 +86,7 @@ fn fill_one(arguments: &Arguments, mesh: &Path) -> anyhow::Result<u8> {
     let filling = match filled {
         Ok(filling) => filling,
         Err(error) if is_refusal(&error) => {
-            let reason = explained(&error, arguments);
-            // The reason of a refusal is told even when the log is quiet.
-            writeln!(std::io::stderr(), "refused: {reason}")?;
-            common.emit_json(&Refusal {
-                header,
-                verdict: "refused",
-                reason,
-                mesh_warnings: read.report.warnings,
-            })?;
-            return Ok(NOT_MET);
+            return refused(header, explained(&error, arguments), read.report, arguments);
         }
         Err(error) => anyhow::bail!(explained(&error, arguments)),
     };
@@ -118,6 +109,24 @@ fn fill_one(arguments: &Arguments, mesh: &Path) -> anyhow::Result<u8> {
     }
     outputs::write(arguments, &read.mesh, &measured, summary, failures)?;
     Ok(DONE)
+}
+
+/// Reports why a body is not filled.
+fn refused(
+    header: Header,
+    reason: String,
+    mesh: MeshReport,
+    arguments: &Arguments,
+) -> anyhow::Result<u8> {
+    // A refusal states its reason even when the log is quiet.
+    writeln!(std::io::stderr(), "refused: {reason}")?;
+    arguments.common.emit_json(&Refusal {
+        header,
+        verdict: "refused",
+        reason,
+        mesh_warnings: mesh.warnings,
+    })?;
+    Ok(NOT_MET)
 }
 
 /// The reason why a body is not filled, with what the flags add to it.
@@ -209,7 +218,7 @@ impl Task {
 ///
 /// # Errors
 ///
-/// A file that cannot be read, a line that is no sphere.
+/// A file that cannot be read, a line that is not a sphere.
 fn read_table(file: &Path, unit: LengthUnit) -> anyhow::Result<Vec<Sphere>> {
     let name = file.display().to_string();
     let text = input::file::read_text(file).with_context(|| format!("cannot read {name}"))?;
@@ -254,7 +263,6 @@ fn check_density(arguments: &Arguments, volume: Option<f64>) -> anyhow::Result<(
     Ok(())
 }
 
-/// Settings of the filling from the arguments.
 fn settings_of(arguments: &Arguments, radius: &str) -> anyhow::Result<FillSettings> {
     let unit = arguments.unit;
     let roughness = arguments.roughness.as_deref();

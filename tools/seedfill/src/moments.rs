@@ -92,7 +92,7 @@ pub(crate) struct Moments {
     spheres: BodyMoments,
     /// Of the spheres against the mesh.
     error_percent: [f64; 3],
-    /// Angle between the axes of mesh and spheres; none where two moments are so near to each other
+    /// Angle between the axes of mesh and spheres; none if two moments are so near to each other
     /// that the axis has no direction of its own.
     axis_angle_deg: [Option<f64>; 3],
 }

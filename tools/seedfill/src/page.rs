@@ -42,6 +42,35 @@ pub(crate) fn page(
             report.section(title).list(&warnings);
         }
     }
+    let drawn = pictures(&mut report, measured, mesh)?;
+    let spheres = filling.spheres.iter().map(|sphere| ViewerSphere {
+        centre: sphere.centre.into(),
+        radius: sphere.radius,
+    });
+    let kind = ViewerKind {
+        spheres: spheres.collect(),
+        colour: COLOUR,
+    };
+    let viewer = SphereViewer {
+        kinds: &[kind],
+        bodies: &[ViewerBody::at_origin(0)],
+        picture: &drawn,
+        description: "The spheres of the filling",
+    };
+    report.viewer(&viewer, "The spheres; drag to turn.")?;
+    for line in summary.provenance() {
+        report.provenance(&line);
+    }
+    Ok(report.html())
+}
+
+/// Adds the pictures; returns that of mesh and spheres.
+fn pictures(
+    report: &mut Report,
+    measured: &Measured<'_>,
+    mesh: &TriMesh,
+) -> anyhow::Result<Vec<u8>> {
+    let filling = measured.filling;
     let drawn = picture(filling, mesh)?;
     let (coloured, scale) = deviation_picture(filling, mesh)?;
     report.section("Pictures");
@@ -67,23 +96,5 @@ pub(crate) fn page(
             "The mesh with what closes its holes in red, seen from over the widest one.",
         )?;
     }
-    let spheres = filling.spheres.iter().map(|sphere| ViewerSphere {
-        centre: sphere.centre.into(),
-        radius: sphere.radius,
-    });
-    let kind = ViewerKind {
-        spheres: spheres.collect(),
-        colour: COLOUR,
-    };
-    let viewer = SphereViewer {
-        kinds: &[kind],
-        bodies: &[ViewerBody::at_origin(0)],
-        picture: &drawn,
-        description: "The spheres of the filling",
-    };
-    report.viewer(&viewer, "The spheres; drag to turn.")?;
-    for line in summary.provenance() {
-        report.provenance(&line);
-    }
-    Ok(report.html())
+    Ok(drawn)
 }

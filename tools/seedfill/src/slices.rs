@@ -2,9 +2,9 @@
 
 use crate::arguments::{Arguments, length_in_metres};
 use anyhow::{Context as _, bail, ensure};
-use image::{DynamicImage, GrayImage, ImageFormat};
+use image::{DynamicImage, ImageFormat};
 use input::file::files_in;
-use photo_profile::decode_photo;
+use photo_profile::{decode_photo, otsu_threshold};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use tiff::decoder::{Decoder, DecodingResult};
@@ -99,7 +99,6 @@ pub(crate) fn read(
 /// Size and grey values of a slice, 0 to 65535; those of 8 bits 0 to 255.
 type Slice = ([usize; 2], Vec<u16>);
 
-/// The slices in a file.
 fn slices_in(file: &Path) -> anyhow::Result<Vec<Slice>> {
     let bytes = input::file::read(file)?;
     if image::guess_format(&bytes).is_ok_and(|format| format == ImageFormat::Tiff) {
@@ -143,20 +142,19 @@ fn tiff_slices(bytes: &[u8]) -> anyhow::Result<Vec<Slice>> {
     }
 }
 
-/// The threshold that parts bright from dark voxels best `[Otsu1979]`, in 256 steps of the brightest.
+/// The threshold that parts bright from dark voxels best, in 256 steps of the brightest.
 fn found_threshold(values: &[u16]) -> f64 {
     let brightest = f64::from(values.iter().copied().max().unwrap_or(0).max(1));
-    let sample = values.iter().step_by(values.len() / SAMPLE + 1);
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a part of 255"
-    )]
-    let levels: Vec<u8> = sample
-        .map(|value| (255.0 * f64::from(*value) / brightest) as u8)
-        .collect();
-    let width = u32::try_from(levels.len()).unwrap_or(0);
-    let level = GrayImage::from_raw(width, 1, levels)
-        .map_or(0, |all| imageproc::contrast::otsu_level(&all));
-    (f64::from(level) + 0.5) / 255.0 * brightest
+    let mut histogram = [0; 256];
+    for value in values.iter().step_by(values.len() / SAMPLE + 1) {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "at most 255"
+        )]
+        let level = (255.0 * f64::from(*value) / brightest).round() as usize;
+        histogram[level] += 1;
+    }
+    // Slices of one level have no other side; the reading of the surface refuses them.
+    otsu_threshold(&histogram).unwrap_or(0.5) / 255.0 * brightest
 }

@@ -21,7 +21,6 @@ pub(crate) struct Summary {
     /// Unit of the mesh, of all lengths whose key names none, and of `sphere_list`.
     unit: LengthUnit,
     method: String,
-    /// Number of spheres.
     spheres: usize,
     /// Radius asked for.
     radius: f64,
@@ -127,6 +126,36 @@ fn sparse(arguments: &Arguments, report: &FitReport) -> Option<String> {
     })
 }
 
+impl MeshSummary {
+    /// The figures of a mesh in a unit of so many metres.
+    fn new(mesh: &MeshReport, metre: f64) -> Self {
+        Self {
+            triangles: mesh.triangles,
+            vertices: mesh.vertices,
+            watertight: mesh.watertight,
+            volume: mesh.volume.map(|v| v / metre.powi(3)),
+            volume_mm3: mesh.volume.map(|v| v * 1e9),
+            area: mesh.area / metre.powi(2),
+            bounding_box: Bounds {
+                low: array(&mesh.bounding_box.low, metre),
+                high: array(&mesh.bounding_box.high, metre),
+                size: array(&mesh.bounding_box.size(), metre),
+            },
+            degenerate_dropped: mesh.degenerate_dropped,
+            duplicates_dropped: mesh.duplicates_dropped,
+            triangles_turned: mesh.triangles_turned,
+            holes_closed: mesh.holes_closed,
+            widest_hole_closed: mesh.changes.lids.first().map_or(0.0, |lid| lid.width) / metre,
+            lid_share_of_area: mesh.changes.lid_share,
+            vertices_joined: mesh.changes.joined,
+            pieces_cut: mesh.changes.pieces_cut,
+            triangles_cut: mesh.changes.triangles_cut,
+            cut_share_of_area: mesh.changes.cut_share,
+            warnings: mesh.warnings.clone(),
+        }
+    }
+}
+
 impl Summary {
     /// Converts all figures to the unit of the mesh.
     pub(crate) fn new(
@@ -152,30 +181,7 @@ impl Summary {
             spheres: filling.spheres.len(),
             radius: filling.settings.radius / metre,
             radius_mm: filling.settings.radius / metre * (metre * 1e3),
-            mesh: MeshSummary {
-                triangles: mesh.triangles,
-                vertices: mesh.vertices,
-                watertight: mesh.watertight,
-                volume: mesh.volume.map(|v| v / metre.powi(3)),
-                volume_mm3: mesh.volume.map(|v| v * 1e9),
-                area: mesh.area / metre.powi(2),
-                bounding_box: Bounds {
-                    low: array(&mesh.bounding_box.low, metre),
-                    high: array(&mesh.bounding_box.high, metre),
-                    size: array(&mesh.bounding_box.size(), metre),
-                },
-                degenerate_dropped: mesh.degenerate_dropped,
-                duplicates_dropped: mesh.duplicates_dropped,
-                triangles_turned: mesh.triangles_turned,
-                holes_closed: mesh.holes_closed,
-                widest_hole_closed: mesh.changes.lids.first().map_or(0.0, |lid| lid.width) / metre,
-                lid_share_of_area: mesh.changes.lid_share,
-                vertices_joined: mesh.changes.joined,
-                pieces_cut: mesh.changes.pieces_cut,
-                triangles_cut: mesh.changes.triangles_cut,
-                cut_share_of_area: mesh.changes.cut_share,
-                warnings: mesh.warnings.clone(),
-            },
+            mesh: MeshSummary::new(mesh, metre),
             shape: Shape::new(measured.shape, unit),
             fit: fit_in(&filling.report, metre),
             moments: Moments::new(filling, mass_kg, unit),

@@ -8,7 +8,7 @@ use trimesh::LengthUnit;
 ///
 /// # Errors
 ///
-/// An unknown name, one given twice, or a value that is no positive number.
+/// An unknown name, one given twice, or a value that is not a positive number.
 pub(crate) fn target_of(text: &str, mesh: LengthUnit) -> anyhow::Result<Target> {
     const WANTED: &str = "expected volume=1%, inertia=2%, surface=0.05mm, or some of them";
     let mut target = Target::default();

@@ -15,7 +15,6 @@ pub(crate) struct Ellipse {
 }
 
 impl Ellipse {
-    /// A circle.
     pub(crate) fn circle(x: f64, y: f64, radius: f64) -> Self {
         Self {
             x,

@@ -5,8 +5,8 @@
 use dev_support::drawn_pictures::{Scene, save};
 use image::{DynamicImage, ExtendedColorType, GrayImage, ImageEncoder as _, imageops};
 use photo_profile::{
-    Error, NoPhoto, PictureFiles, Settings, measure_file, measure_image, overlay_gray, read_frames,
-    read_photo, rectify,
+    Error, NoPhoto, PictureFiles, Settings, measure_image, overlay_gray, read_frames, read_photo,
+    rectify,
 };
 use std::path::PathBuf;
 
@@ -57,7 +57,7 @@ fn exif_orientation_is_honoured() {
     let stored = imageops::rotate270(&upright.draw());
     let path = folder("exif").join("turned.jpg");
     std::fs::write(&path, with_orientation(&jpeg(&stored), 6)).unwrap();
-    let angle = measure_file(&path, &Settings::default())
+    let angle = crate::measure_file(&path, &Settings::default())
         .unwrap()
         .angle()
         .unwrap();
@@ -251,7 +251,7 @@ fn a_transparent_picture_is_read_as_on_white_paper() {
     save(gray, &on_white).unwrap();
     save(clear, &transparent).unwrap();
     let line = |path: &PathBuf| {
-        let reading = measure_file(path, &Settings::default()).unwrap();
+        let reading = crate::measure_file(path, &Settings::default()).unwrap();
         reading.angle().unwrap().line
     };
     assert_eq!(line(&on_white), line(&transparent));

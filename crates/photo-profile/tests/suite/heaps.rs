@@ -306,7 +306,7 @@ fn a_heap_whose_flanks_differ_is_refused_by_the_largest_error() {
 }
 
 /// The foot spreads over the lower half at half the slope: the flank is told to be bent, 32.1 degrees at the top and 17.4 at
-/// the toe, and dust in the air is no part of it.
+/// the toe, and dust in the air is not a part of it.
 #[test]
 fn a_spread_foot_is_read_and_told() {
     let scene = HeapScene {
@@ -337,7 +337,7 @@ fn body(inside: impl Fn(f64, f64) -> bool) -> GrayImage {
     })
 }
 
-/// Bodies that have two slopes or a round top and are no heaps: a cube over its edge, a disc and an ellipse as a heap shows
+/// Bodies that have two slopes or a round top and are not heaps: a cube over its edge, a disc and an ellipse as a heap shows
 /// from above, a box, a tent on walls, a ramp.
 #[test]
 fn bodies_that_are_no_heaps_are_refused() {

@@ -12,7 +12,6 @@ use photo_profile::{Mode, PhotoPixels, Settings, measure_photo, read_frames};
 use probability::random_stream::Stream;
 use std::path::PathBuf;
 
-/// A random byte.
 fn byte(random: &mut Stream) -> u8 {
     u8::try_from(random.below(256)).unwrap()
 }

@@ -4,7 +4,7 @@
 
 use dev_support::fixture_files::fixture;
 use image::{DynamicImage, imageops};
-use photo_profile::{PhotoPixels, Settings, measure_file, measure_image, read_photo};
+use photo_profile::{PhotoPixels, Settings, measure_image, read_photo};
 use std::path::PathBuf;
 use surface_profile::HighSide;
 
@@ -48,7 +48,8 @@ fn chord_and_middle_agree_with_the_readings_by_hand() {
             continue;
         };
         n_read += 1;
-        let reading = measure_file(&folder().join(&hand.file), &Settings::default()).unwrap();
+        let reading =
+            crate::measure_file(&folder().join(&hand.file), &Settings::default()).unwrap();
         let angle = reading.angle().unwrap();
         for (name, value, [by_hand, uncertainty]) in
             [("chord", angle.chord, chord), ("mid", angle.mid, mid)]
@@ -80,7 +81,7 @@ fn chord_and_middle_agree_with_the_readings_by_hand() {
 #[test]
 fn polarity_does_not_change_the_angle() {
     let line = |file: &str| {
-        measure_file(&folder().join(file), &Settings::default())
+        crate::measure_file(&folder().join(file), &Settings::default())
             .unwrap()
             .angle()
             .unwrap()

@@ -6,8 +6,7 @@ use dev_support::drawn_pictures::Scene;
 use dev_support::fixture_files::fixture;
 use image::{GrayImage, Luma};
 use photo_profile::{
-    DrumPixels, PhotoReading, Refusal, RefusedReading, Settings, measure_file, measure_image,
-    overlay_gray,
+    DrumPixels, PhotoReading, Refusal, RefusedReading, Settings, measure_image, overlay_gray,
 };
 
 fn refusal(picture: &GrayImage, settings: &Settings) -> Refusal {
@@ -166,7 +165,7 @@ fn a_slightly_oblique_view_is_refused_for_its_flattening() {
 #[test]
 fn the_oblique_phone_photo_is_refused_for_its_drum() {
     let path = fixture("photos/phone_prototype_drums_tilted_camera.jpg");
-    let reading = measure_file(&path, &Settings::default()).unwrap();
+    let reading = crate::measure_file(&path, &Settings::default()).unwrap();
     let reason = &refused(&reading).reason;
     assert!(reason.to_string().contains("no drum circle"), "{reason}");
 }

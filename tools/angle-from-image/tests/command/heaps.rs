@@ -5,7 +5,7 @@ use dev_support::drawn_pictures::save;
 use serde_json::Value;
 
 /// A heap with flanks of 0.5 and 0.66 rad, 28.6 and 37.8 degrees, mean 33.2: both flanks, the apex
-/// at (450, 180) px and the mean, known to half of their difference, are in the JSON. A drum is no heap.
+/// at (450, 180) px and the mean, known to half of their difference, are in the JSON. A drum is not a heap.
 #[test]
 fn a_heap_gives_both_flanks_and_a_drum_none() {
     let folder = folder("heap");

@@ -4,7 +4,7 @@ use super::{GOOD, REFUSED, folder, photo, run, table_of, text};
 use image::codecs::jpeg::JpegDecoder;
 use serde_json::Value;
 
-/// The table of the same pictures as CSV and as workbook holds the same fields; a name that is no table of ours is CSV.
+/// The table of the same pictures as CSV and as workbook holds the same fields; a name that is not a table of ours is CSV.
 #[test]
 fn the_table_may_be_a_workbook() {
     let folder = folder("workbook");

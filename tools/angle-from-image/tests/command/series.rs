@@ -155,7 +155,7 @@ fn tiff_and_webp_in_a_folder_are_read_and_what_is_skipped_is_named() {
     );
 }
 
-/// Overlays written into the folder of the photos are no photos the second time, and the first result comes back; what was left
+/// Overlays written into the folder of the photos are not photos the second time, and the first result comes back; what was left
 /// out is reported.
 #[test]
 fn overlays_in_the_folder_of_the_photos_are_left_out() {

@@ -49,7 +49,6 @@ fn spheres(folder: &Path) -> Vec<[f64; 4]> {
         .collect()
 }
 
-/// The numbers of a line.
 fn numbers<const N: usize>(line: &str) -> [f64; N] {
     let all: Vec<f64> = line
         .split_whitespace()

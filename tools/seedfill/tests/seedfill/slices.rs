@@ -55,7 +55,7 @@ fn write_tiff(file: &Path) {
 
 /// Forty pictures, or one file of forty, are the ball of 1.5 mm that was drawn. By half of the levels its volume is met to 0.3 %:
 /// facets on voxels of 0.1 mm cut off 0.3 (0.1 / 1.5)^2 = 0.13 %. The threshold that is found moves an edge blurred over two voxels by less than
-/// a tenth of one, 2 % of the volume; a higher one leaves less. The speck is no body of its own.
+/// a tenth of one, 2 % of the volume; a higher one leaves less. The speck is not a body of its own.
 #[test]
 fn a_stack_of_slices_is_filled_as_its_body() {
     let folder = tempfile::tempdir().unwrap();
