@@ -11,7 +11,7 @@ use crate::tree;
 /// A crate as its manifest or as the table describes it.
 #[derive(Debug, PartialEq, Eq)]
 struct Node {
-    /// What it is for, without a full stop.
+    /// Its purpose, without a full stop.
     duty: String,
     /// The crates of the workspace that it depends on, in alphabetical order.
     dependencies: Vec<String>,
@@ -44,7 +44,7 @@ fn from_manifests() -> Map {
         .collect()
 }
 
-/// Reads one crate from the metadata; dependencies of tests only are no arrows.
+/// Reads one crate from the metadata; dependencies of tests only do not count.
 fn node(package: &Value) -> Node {
     let mut dependencies: Vec<String> = package["dependencies"]
         .as_array()

@@ -1,4 +1,4 @@
-//! Every source that the code cites stands in REFERENCES.bib.
+//! Every source that the code cites is in REFERENCES.bib.
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -1,4 +1,4 @@
-//! The crates serve any material: what was published of one stands in fixtures, not in code.
+//! The crates serve any material: published values of one material are in fixtures, not in code.
 
 use crate::tree::{files, root, shown, text_of};
 use std::path::Path;
@@ -9,7 +9,7 @@ const PUBLISHED: [&str; 5] = ["38.87", "38.63", "43.18", "91.82", "kangmian"];
 /// Materials of its scene, which tests inside crates may load from the fixtures.
 const MATERIALS: [&str; 2] = ["tough_resin", "clear_resin"];
 
-/// The part of a source that is no test.
+/// A source without its tests.
 fn without_tests<'a>(path: &Path, text: &'a str) -> &'a str {
     if path.ends_with("tests.rs") || path.components().any(|part| part.as_os_str() == "tests") {
         return "";
@@ -17,7 +17,7 @@ fn without_tests<'a>(path: &Path, text: &'a str) -> &'a str {
     text.split("#[cfg(test)]\nmod tests {").next().unwrap_or("")
 }
 
-/// What of the study a source holds.
+/// Words of the study that a source contains.
 fn held(path: &Path, text: &str) -> Vec<&'static str> {
     let published = PUBLISHED.iter().filter(|word| text.contains(**word));
     let own = without_tests(path, text);

@@ -107,11 +107,11 @@ fn every_folder_of_fixtures_tells_its_origin_and_licence() {
     }
     assert!(
         missing.is_empty(),
-        "no README.md that tells the licence in {missing:?}"
+        "no README.md with the licence in {missing:?}"
     );
 }
 
-/// What a user needs is not found in more pages than can be read. Words are counted as `wc -w` counts them.
+/// Users find nothing in more pages than they can read. Words are counted as `wc -w` counts them.
 #[test]
 fn pages_have_at_most_twenty_thousand_words() {
     const LIMIT: usize = 20_000;

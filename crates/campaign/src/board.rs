@@ -1,4 +1,4 @@
-//! What the workers of a campaign share.
+//! State that the workers of a campaign share.
 
 use crate::run_store::Record;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -27,7 +27,7 @@ pub(crate) struct Board {
     pub(crate) elsewhere: Vec<Elsewhere>,
     /// Jobs in progress with the time of their begin.
     pub(crate) running: BTreeMap<usize, Instant>,
-    /// What came of each job; none before its end.
+    /// Result of each job; `None` before its end.
     pub(crate) results: Vec<Option<Result<Record, Failure>>>,
     /// Number of jobs found in the store, at the start or later.
     pub(crate) reused: usize,
@@ -120,7 +120,7 @@ impl Board {
             .is_some_and(|(since, limit)| since.elapsed() >= limit)
     }
 
-    /// What is left of the list and of the loop. The runs of other campaigns count as running, since they were met.
+    /// Remaining work of the list and of the loop. Runs that other campaigns do count as running.
     pub(crate) fn workload(&self, jobs: &[Job], pace: &Pace, workers: usize) -> Workload {
         let cost = |i: &usize| jobs.get(*i).map_or(0.0, |job| job.cost);
         let elsewhere = self

@@ -12,7 +12,7 @@ const RENEWALS_PER_LIFE: u32 = 6;
 
 /// Whether a run may begin.
 pub(crate) enum Permit<'k> {
-    /// It may; held until it is dropped. None where the store needs or takes no claims.
+    /// It may; held until it is dropped. `None` if the store needs or takes no claims.
     Go(Option<Hold<'k>>),
     /// Another campaign does it.
     Taken(Holder),
@@ -32,13 +32,13 @@ pub(crate) struct Keeper<'s> {
     store: &'s Store,
     /// Time without renewal after which a claim is dead.
     life: Duration,
-    /// What the threads share.
+    /// Shared state of the threads.
     state: Mutex<State>,
     /// Rings at the end.
     end: Condvar,
 }
 
-/// What the threads of a keeper share.
+/// State that the threads of a keeper share.
 #[derive(Default)]
 struct State {
     /// The claims by key.
@@ -67,7 +67,7 @@ impl<'s> Keeper<'s> {
         }
     }
 
-    /// Asks whether the run of a key may begin. A store that takes no claims does not hinder it: that is told once.
+    /// Asks whether the run of a key may begin. A store that takes no claims does not prevent it; a warning says so once.
     pub(crate) fn ask(&self, key: &str, warn: &dyn Fn(&str)) -> Permit<'_> {
         if self.lock().goes_without {
             return Permit::Go(None);

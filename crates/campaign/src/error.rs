@@ -1,4 +1,4 @@
-//! What can go wrong in a campaign.
+//! Errors of a campaign.
 
 use crate::{RunRequest, SimulatorError};
 
@@ -8,7 +8,7 @@ use crate::{RunRequest, SimulatorError};
 pub enum Error {
     /// Requests stand for no run; this is the first of them. Nothing was run.
     #[error(
-        "run '{request}' is refused, {n_refused} of {n_requests} requests in all; nothing was run"
+        "run '{request}' is refused ({n_refused} of {n_requests} requests in total); nothing was run"
     )]
     Refused {
         /// The first request that is refused.
@@ -22,7 +22,7 @@ pub enum Error {
     },
     /// Runs failed; this is the first in the order of the requests. All others were done and
     /// stored, so that calling again repeats the failed ones only.
-    #[error("run '{request}' failed, {n_failed} of {n_runs} runs in all")]
+    #[error("run '{request}' failed ({n_failed} of {n_runs} runs in total)")]
     Run {
         /// The first request that failed.
         request: Box<RunRequest>,
@@ -42,7 +42,7 @@ pub enum Error {
         n_runs: usize,
     },
     /// A store that cannot be read or written.
-    #[error("the record of run '{request}' cannot be kept or found")]
+    #[error("the record of run '{request}' cannot be stored or found")]
     Store {
         /// The request.
         request: Box<RunRequest>,

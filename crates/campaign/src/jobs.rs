@@ -8,7 +8,7 @@ use crate::{Error, RunRequest, Simulator, SimulatorError};
 /// A run that the campaign asks for, whoever asked and how often.
 #[derive(Debug)]
 pub(crate) struct Job {
-    /// The first request that stands for it, effects of amplitude 0 left out.
+    /// The first request for it, without effects of amplitude 0.
     pub(crate) request: RunRequest,
     /// The record without results.
     pub(crate) blank: Record,
@@ -21,7 +21,7 @@ pub(crate) struct Job {
 pub(crate) struct JobList {
     /// The different runs, in the order in which they were asked for first.
     pub(crate) jobs: Vec<Job>,
-    /// For each request its run, or why it stands for none.
+    /// For each request its run, or the reason for its refusal.
     pub(crate) of_request: Vec<Result<usize, SimulatorError>>,
 }
 
@@ -65,7 +65,7 @@ impl JobList {
     ///
     /// # Errors
     ///
-    /// [`Error::Refused`] with the first request that stands for none.
+    /// [`Error::Refused`] with the first refused request.
     pub(crate) fn all_accepted(
         self,
         requests: &[RunRequest],

@@ -37,7 +37,7 @@
 //! - the records do not depend on the number of threads, nor on what was in the store before;
 //! - a finished run is never lost: not by the failure of another, nor by a stop or a kill;
 //! - campaigns that share a folder share the runs: each is done once, and one whose campaign died is taken over;
-//! - requests with the same inputs and seed are one run, and one that is refused is told before any run.
+//! - requests with the same inputs and seed are one run, and a refused request is reported before any run.
 
 mod board;
 mod claims;

@@ -12,9 +12,9 @@ use std::time::Instant;
 pub struct Pace {
     /// When the loop began.
     begin: Instant,
-    /// What was measured so far.
+    /// Measurements so far.
     measured: Mutex<Measured>,
-    /// What is expected.
+    /// Expected work.
     ahead: Mutex<Ahead>,
 }
 

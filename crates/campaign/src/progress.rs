@@ -100,7 +100,7 @@ const BAR: usize = 20;
 
 /// A listener that tells in lines how far a campaign is.
 pub struct LineProgress {
-    /// What was written so far, and where to.
+    /// Text written so far, and its destination.
     output: Mutex<Output>,
 }
 
@@ -108,7 +108,7 @@ pub struct LineProgress {
 struct Output {
     /// Such as standard error.
     to: Box<dyn Write + Send>,
-    /// Whether one line with a bar is drawn anew, as only a terminal can.
+    /// Whether one line with a bar is redrawn, which needs a terminal.
     redraws: bool,
     /// When the last line of the list was written, and whether it had an estimate of the time left; none before its first.
     last: Option<(Instant, bool)>,
@@ -121,7 +121,7 @@ impl LineProgress {
         Self::with(output, false)
     }
 
-    /// Draws one line with a bar on a terminal, anew for each run.
+    /// Draws one line with a bar on a terminal and redraws it for each run.
     pub fn on_terminal(terminal: impl Write + Send + 'static) -> Self {
         Self::with(terminal, true)
     }
@@ -137,7 +137,7 @@ impl LineProgress {
         }
     }
 
-    /// What is known of the lines so far, which no panic leaves half written.
+    /// State of the output; a panic never leaves a line half written.
     fn lock(&self) -> MutexGuard<'_, Output> {
         self.output.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -215,7 +215,7 @@ mod tests {
     use std::io::Write;
     use std::sync::{Arc, Mutex};
 
-    /// What was written, for the test to read.
+    /// Written text, for the test to read.
     #[derive(Clone, Default)]
     struct Kept(Arc<Mutex<Vec<u8>>>);
 
@@ -229,7 +229,7 @@ mod tests {
         }
     }
 
-    /// What a listener writes of a list of four runs that ends, and of a warning in its middle.
+    /// Output of a listener for a complete list of four runs, with a warning in its middle.
     fn written(listener: impl Fn(Kept) -> LineProgress) -> String {
         let kept = Kept::default();
         let lines = listener(kept.clone());
@@ -251,7 +251,7 @@ mod tests {
         String::from_utf8(bytes).unwrap()
     }
 
-    /// Runs that follow each other within the pause fill no file: the first and the last line stand, the first that tells the time left, and every warning. No
+    /// Runs that follow each other within the pause do not fill a file: it gets the first and the last line, the first with the time left, and every warning. No
     /// control characters go into a file.
     #[test]
     fn a_file_gets_the_first_and_the_last_line_of_a_list() {
@@ -261,7 +261,7 @@ mod tests {
         assert!(!text.contains(['\r', '\u{1b}']));
     }
 
-    /// On a terminal one line is drawn anew for each run, no longer than 80 characters, and stays when the list ends; a warning
+    /// On a terminal one line is redrawn for each run, no longer than 80 characters, and stays when the list ends; a warning
     /// takes its place.
     #[test]
     fn a_terminal_shows_one_line_with_a_bar() {

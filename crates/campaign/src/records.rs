@@ -1,4 +1,4 @@
-//! What the store has of a campaign already.
+//! Records of a campaign that the store already has.
 
 use crate::run_store::{Lookup, Record};
 use std::collections::{BTreeMap, BTreeSet};
@@ -11,7 +11,7 @@ use crate::{Campaign, Error};
 const LOOKS: usize = 4;
 
 impl Campaign<'_> {
-    /// The record of a job, where the store has it. What has its name and is not it is told and set aside.
+    /// The record of a job, if the store has it. Any other file of its name is reported and set aside.
     pub(crate) fn stored(
         &self,
         job: &Job,

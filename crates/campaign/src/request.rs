@@ -1,4 +1,4 @@
-//! What a run is asked for, and what it gives.
+//! Request and result of a run.
 
 use crate::run_store::Observation;
 use serde::{Deserialize, Serialize};
@@ -14,7 +14,7 @@ use crate::SimulatorError;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunRequest {
-    /// What is simulated, such as the name of a scene or of a profile.
+    /// Name of the simulated model, such as a scene or a profile.
     pub model: String,
     /// Declared parameters by name; the simulator's own value where one is absent.
     pub parameters: BTreeMap<String, f64>,
@@ -123,15 +123,15 @@ impl fmt::Display for RunRequest {
     }
 }
 
-/// What a run gives.
+/// Result of a run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RunOutcome {
     /// Results by name.
     pub observables: BTreeMap<String, Observation>,
-    /// How the run ended up, such as `rolling`: a class that a smooth surface must not mix; none where
-    /// the simulator tells no classes apart.
+    /// Class of the run, such as `rolling`, which a smooth surface must not mix; `None` if
+    /// the simulator has no classes.
     pub regime: Option<String>,
-    /// What else is worth keeping (timing, series); null when nothing is.
+    /// Further data to keep (timing, series); null if there are none.
     pub details: Value,
 }
 

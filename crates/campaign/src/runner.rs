@@ -24,7 +24,7 @@ pub struct Campaign<'a> {
     pub(crate) progress: &'a dyn Progress,
     /// Raised by someone who wants no further run to start.
     pub(crate) stop: Option<&'a AtomicBool>,
-    /// What the lists of one loop measured so far, and what is ahead of them; each list stands alone where absent.
+    /// Measured and expected work of the lists of one loop; if absent, each list is estimated alone.
     pub(crate) pace: Option<&'a Pace>,
     /// Longest wait for the runs of others; `None` is without limit.
     pub(crate) wait: Option<Duration>,
@@ -64,8 +64,8 @@ impl<'a> Campaign<'a> {
         self
     }
 
-    /// Shares the pace of all lists of one loop, so that a list knows from its first moment how long it takes, and how long the loop
-    /// goes on behind it.
+    /// Shares the pace of all lists of one loop, so that a list knows from its start its duration and that of the rest of the
+    /// loop.
     #[must_use]
     pub fn with_pace(mut self, pace: &'a Pace) -> Self {
         self.pace = Some(pace);
@@ -164,7 +164,7 @@ impl<'a> Campaign<'a> {
             .collect())
     }
 
-    /// What comes of every job: from the store, or by running it.
+    /// Result of every job: from the store, or by running it.
     fn do_all(
         &self,
         simulator: &dyn Simulator,

@@ -16,7 +16,7 @@ pub trait Simulator: Sync {
     ///
     /// # Errors
     ///
-    /// [`SimulatorError`] when the request is invalid; it is told before anything is run.
+    /// [`SimulatorError`] if the request is invalid, before anything is run.
     fn inputs(&self, request: &RunRequest) -> Result<Value, SimulatorError> {
         Ok(request.inputs())
     }
@@ -43,13 +43,13 @@ pub enum SimulatorError {
     /// The request cannot be run as it is.
     #[error("the request is refused: {reason}")]
     Refused {
-        /// What is wrong with it, and the way out.
+        /// The fault and the remedy.
         reason: String,
     },
     /// The run began and broke off.
     #[error("the run failed: {reason}")]
     Failed {
-        /// What happened.
+        /// The reason.
         reason: String,
     },
     /// The run failed in another process that shares the folder.
@@ -61,7 +61,7 @@ pub enum SimulatorError {
     /// The simulator panicked, which is a bug of its.
     #[error("the simulator panicked: {message}")]
     Panicked {
-        /// What it said.
+        /// Its message.
         message: String,
     },
     /// An error of the simulator's own kind.

@@ -1,6 +1,6 @@
 //! How long the rest of a campaign will take.
 
-/// What the estimate rests on; costs in the simulator's relative unit.
+/// Data of the estimate; costs in the simulator's relative unit.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Workload {
     /// Measured time of the finished runs of the loop over their cost, s; none before one is finished.

@@ -15,7 +15,7 @@ use crate::{Campaign, Pace, ProgressState, Simulator, SimulatorError};
 /// Pause of a worker while another asks for the last run; short against any run.
 const SHORT_PAUSE: Duration = Duration::from_millis(5);
 
-/// What a worker does next.
+/// Next action of a worker.
 enum Next {
     /// Begins a job, if no other campaign does it; one that another campaign did when it was met last.
     Ask(usize, Option<Elsewhere>),
@@ -25,7 +25,7 @@ enum Next {
     End,
 }
 
-/// What came of beginning a job.
+/// Result of beginning a job.
 enum Outcome {
     /// The store had its record by then.
     Found(Record),
@@ -39,7 +39,7 @@ enum Outcome {
     Unreadable(crate::run_store::Error),
 }
 
-/// What all workers of a list look at.
+/// State that all workers of a list read.
 pub(crate) struct Hall<'h> {
     /// Does the runs.
     pub(crate) simulator: &'h dyn Simulator,
@@ -220,7 +220,7 @@ impl Campaign<'_> {
         Ok(record)
     }
 
-    /// Tells the listener what came of a job.
+    /// Reports the result of a job to the listener.
     pub(crate) fn tell_end(&self, job: &Job, result: &Result<Record, Failure>) {
         match result {
             Ok(record) => self.progress.ended(&job.request, Ok(record)),
@@ -229,7 +229,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// Tells the listener how far it is.
+    /// Reports the progress to the listener.
     pub(crate) fn tell(&self, jobs: &[Job], board: &Board, pace: &Pace) {
         let workload = board.workload(jobs, pace, self.threads);
         self.progress.update(&ProgressState {

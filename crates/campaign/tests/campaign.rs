@@ -250,7 +250,7 @@ impl Simulator for OnlyX {
     }
 }
 
-/// What the simulator calls the same inputs is run once, in one list and over lists, whatever the requests call
+/// Requests with the same inputs for the simulator are run once, in one list and over lists, whatever the name of
 /// their model and whatever else they set; another seed is another run.
 #[test]
 fn requests_of_different_models_with_the_same_inputs_are_one_run() {
@@ -271,7 +271,7 @@ fn requests_of_different_models_with_the_same_inputs_are_one_run() {
     assert_eq!(toy.0.runs.load(Ordering::SeqCst), 2);
 }
 
-/// In `run_each` a request that stands for no run has its reason and the others their records; `run_all` names it
+/// In `run_each` an invalid request has its reason and the others their records; `run_all` names it
 /// and runs nothing.
 #[test]
 fn a_request_that_is_refused_fails_alone_and_before_any_run() {

@@ -2,7 +2,7 @@
 #![expect(
     clippy::unwrap_used,
     clippy::panic,
-    reason = "what cannot go on fails its test"
+    reason = "a failed step fails its test"
 )]
 
 mod common;
@@ -92,7 +92,7 @@ fn a_run_is_claimed_by_one_until_it_is_given_back() {
     );
     assert!(
         place.store.keys().unwrap().is_empty(),
-        "a claim is no record"
+        "a claim is not a record"
     );
     Store::open(place.folder.path()).unwrap();
     assert!(claim.renew().unwrap(), "opening leaves it alone");
@@ -212,7 +212,7 @@ fn opening_sweeps_claims_that_are_a_day_old() {
     drop(claim);
 }
 
-/// What stands in the way of a claim is told, and left alone.
+/// A file in the place of a claim is reported, and left alone.
 #[test]
 fn a_folder_that_takes_no_claim_says_so() {
     let place = Place::new();

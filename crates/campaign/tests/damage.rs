@@ -2,7 +2,7 @@
 #![expect(
     clippy::unwrap_used,
     clippy::panic,
-    reason = "what cannot go on fails its test"
+    reason = "a failed step fails its test"
 )]
 
 mod common;
@@ -253,7 +253,7 @@ fn what_is_wrong_with_a_file_is_told() {
     assert!(kept.reason().contains(other.key()), "{}", kept.reason());
     fs::remove_file(&kept.file).unwrap();
     fs::create_dir(&kept.file).unwrap();
-    assert_eq!(kept.reason(), "it is no file");
+    assert_eq!(kept.reason(), "it is not a file");
 }
 
 /// A digest that fits the content is not enough: the content must be the run of the key.
@@ -278,7 +278,7 @@ fn a_record_whose_key_was_altered_with_its_digest_is_not_believed() {
     assert!(kept.reason().contains("renamed"), "{}", kept.reason());
 }
 
-/// Set aside, the file keeps its bytes, is no record for any reader, and overwrites none that was set aside before.
+/// A file that is set aside keeps its bytes, is not read as a record, and overwrites none that was set aside before.
 #[test]
 fn a_damaged_file_is_set_aside_and_kept() {
     let kept = Kept::new(record(1));

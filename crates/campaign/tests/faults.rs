@@ -43,7 +43,7 @@ fn requests() -> Vec<RunRequest> {
         .collect()
 }
 
-/// All records that are whole, by a sound store; what is not whole must be told as damaged.
+/// All records that are whole, by a sound store; other files must be reported as damaged.
 fn kept(folder: &Path, all: &[Record]) -> Vec<u64> {
     let store = Store::open(folder).expect("opens");
     let mut seeds = Vec::new();
@@ -84,7 +84,7 @@ fn any_operation_may_go_wrong() {
             let before = kept(place.path(), &whole);
             if let Ok(records) = &result {
                 assert_eq!(*records, whole, "{at}");
-                assert_eq!(before.len(), 4, "{at}: a record is told and not kept");
+                assert_eq!(before.len(), 4, "{at}: a record is reported and not kept");
             } else {
                 met += 1;
             }

@@ -1,6 +1,6 @@
 //! Campaigns of several processes in one folder.
 //!
-//! The other processes are this test program itself, told by a file what to do.
+//! The other processes are this test program itself, with its task in a file.
 #![cfg(target_os = "linux")]
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
@@ -56,7 +56,7 @@ impl Simulator for Noting {
     }
 }
 
-/// A folder for what a child is told and notes, beside the folder of runs.
+/// A folder for the tasks and notes of children, beside the folder of runs.
 struct Desk(tempfile::TempDir);
 
 impl Desk {
@@ -105,7 +105,7 @@ fn run(folder: &Path, endless: Option<u64>) -> Vec<f64> {
     records.iter().map(y).collect()
 }
 
-/// What the children do; alone it does nothing.
+/// Task of the children; alone it does nothing.
 #[test]
 #[ignore = "the process that other tests of this file start: `just test`"]
 fn a_child_does_its_runs() {

@@ -1,8 +1,8 @@
 //! Several processes on one folder, processes that are killed, and folders that take nothing.
 //!
-//! The other processes are this test program itself, told by a file what to do.
+//! The other processes are this test program itself, with its task in a file.
 #![cfg(unix)]
-#![expect(clippy::unwrap_used, reason = "what cannot go on fails its test")]
+#![expect(clippy::unwrap_used, reason = "a failed step fails its test")]
 
 mod common;
 
@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 /// Threads of each process that works.
 const THREADS: usize = 8;
 
-/// A folder for what a child is told and tells, beside the folder of the store.
+/// A folder for the tasks and reports of children, beside the folder of the store.
 struct Desk {
     folder: tempfile::TempDir,
 }
@@ -33,7 +33,7 @@ impl Desk {
         self.folder.path().join("runs")
     }
 
-    /// Starts a child with a task, behind the words of a shell where there are some.
+    /// Starts a child with a task, after the words of a shell if there are any.
     fn start(&self, name: &str, task: &str, shell: Option<&str>) -> Child {
         let desk = self.folder.path().join(name);
         fs::create_dir(&desk).unwrap();
@@ -86,7 +86,7 @@ fn words(error: &Error) -> String {
     format!("{error}: {}", error.source().unwrap())
 }
 
-/// What the children do; alone it does nothing.
+/// Task of the children; alone it does nothing.
 #[test]
 #[ignore = "the process that other tests of this file start: `just test`"]
 fn a_child_does_its_task() {
@@ -314,7 +314,7 @@ fn may_mount() -> bool {
     command.status().is_ok_and(|status| status.success())
 }
 
-/// Words of a shell that mount in a space of their own and go on there.
+/// Words of a shell that mount in a space of their own and continue there.
 #[cfg(target_os = "linux")]
 fn mounted(mount: &str) -> String {
     format!("exec unshare --mount sh -c '{mount} && exec \"$0\" \"$@\"' \"$0\" \"$@\"; exit 1")

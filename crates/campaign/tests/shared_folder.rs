@@ -76,7 +76,7 @@ fn key(request: &RunRequest) -> String {
     campaign::run_store::run_key("toy 1", &request.inputs(), request.seed).unwrap()
 }
 
-/// Names of all files that are no records.
+/// Names of all files other than records.
 fn hidden(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).unwrap();
     let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
@@ -121,7 +121,7 @@ fn campaigns_in_one_folder_share_the_runs() {
     assert!(hidden(folder.path()).is_empty(), "claims are left");
 }
 
-/// A run longer than the life of its claim is renewed as long as it goes on; who waits for it says so once.
+/// A run longer than the life of its claim is renewed until it ends; a process that waits for it reports so once.
 #[test]
 fn a_long_run_is_waited_for() {
     let folder = tempfile::tempdir().unwrap();

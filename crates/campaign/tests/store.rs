@@ -1,4 +1,4 @@
-//! What goes into a store comes out of it, and nothing else does.
+//! A store returns exactly the records that were put into it.
 
 mod common;
 
@@ -7,7 +7,7 @@ use common::record;
 use serde_json::json;
 use std::fs;
 
-/// How a run ended up is kept with it, and is no part of the key: it is a result.
+/// How a run ended up is kept with it, and is not part of the key: it is a result.
 #[test]
 fn the_regime_survives_the_store_and_leaves_the_key_alone() {
     let folder = tempfile::tempdir().unwrap();

@@ -147,7 +147,7 @@ impl Common {
         Ok(())
     }
 
-    /// Tells the user on standard error what goes on, unless `--quiet`.
+    /// Reports progress on standard error, unless `--quiet`.
     pub fn log(&self, text: impl FnOnce() -> String) {
         if !self.quiet {
             // A closed standard error is no reason to stop the work.

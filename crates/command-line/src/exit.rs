@@ -25,7 +25,7 @@ pub fn finish(outcome: anyhow::Result<u8>) -> ExitCode {
     }
 }
 
-/// Writes an error with its causes; a cause that the text before already tells is left out.
+/// Writes an error with its causes, without those that the text before already contains.
 fn describe(error: &anyhow::Error) -> String {
     let mut text = String::new();
     for cause in error.chain() {

@@ -4,7 +4,7 @@ use clap::{Arg, Command, CommandFactory, FromArgMatches, ValueEnum};
 use clap_complete::Shell;
 use std::ffi::OsString;
 
-/// What `--generate` writes.
+/// Output of `--generate`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Kind {
     /// Completion for bash
@@ -29,7 +29,7 @@ pub fn parse<C: CommandFactory + FromArgMatches>() -> C {
     parse_words(words, &mut std::io::stdout()).unwrap_or_else(|error| error.exit())
 }
 
-/// Parses words; an answer that is no run of the command is an error, as in clap, and is written to `out`.
+/// Parses words. Help and version are errors, as in clap, and are written to `out`.
 fn parse_words<C: CommandFactory + FromArgMatches>(
     words: Vec<OsString>,
     out: &mut dyn std::io::Write,
@@ -71,7 +71,7 @@ fn with_flag(command: Command) -> Command {
     command.arg(flag)
 }
 
-/// What the first word asks for; none where it is not the flag.
+/// The kind that the first word requests; `None` if it is not the flag.
 fn asked(words: &[OsString]) -> Result<Option<Kind>, clap::Error> {
     let first = words
         .get(1)
@@ -157,7 +157,7 @@ mod tests {
         line.split(' ').map(OsString::from).collect()
     }
 
-    /// The flag needs no photo, but stands alone: beside a photo it is an error, and so is a kind that is none.
+    /// The flag needs no photo and must be alone: with a photo it is an error, and so is an unknown kind.
     #[test]
     fn the_flag_stands_alone() {
         let mut out = Vec::new();

@@ -1,4 +1,4 @@
-//! What every JSON output says about where it comes from.
+//! Origin of a JSON output.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -9,12 +9,12 @@ use anyhow::Context as _;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 
-/// What every JSON output says about where it comes from; embed it with `#[serde(flatten)]`.
+/// Origin of a JSON output; embed it with `#[serde(flatten)]`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Header {
     /// The version of the workspace.
     pub version: String,
-    /// The seed of all random numbers; none where nothing is random.
+    /// The seed of all random numbers; `None` if the command uses none.
     pub seed: Option<u64>,
     /// The SHA-256 of each input file in hexadecimal digits, by the name under which it was given.
     pub inputs: BTreeMap<String, String>,

@@ -49,7 +49,7 @@ pub fn read(path: &Path) -> Result<Table, Error> {
     let size = std::fs::metadata(&file).map_err(unread)?;
     if size.is_file() && size.len() > MOST_BYTES {
         return Err(refused(format!(
-            "it has {} bytes; a table of {MOST_BYTES} at most is read: leave rows or columns out, or average repeats",
+            "it has {} bytes; at most {MOST_BYTES} are read: remove rows or columns, or average repeats",
             size.len()
         )));
     }
@@ -64,7 +64,7 @@ pub fn read(path: &Path) -> Result<Table, Error> {
     }
     if names::is_workbook_name(&file) || sheet.is_some() {
         return Err(refused(
-            "it is named as a workbook but holds none; save it as .xlsx, or name it .csv if it is text".to_owned(),
+            "it has the extension of a workbook but is not one; save it as .xlsx, or name it .csv if it is text".to_owned(),
         ));
     }
     Table::parse(&text_of_bytes(bytes)).map_err(|source| Error::Table { path: file, source })

@@ -62,7 +62,7 @@ pub fn try_folder(folder: &Path) -> anyhow::Result<()> {
     let above = above.unwrap_or(Path::new("."));
     if !above.is_dir() {
         bail!(
-            "cannot write into {}: {} is no folder; give another name",
+            "cannot write into {}: {} is not a folder; give another name",
             folder.display(),
             above.display()
         );
@@ -125,7 +125,7 @@ fn require_place(path: &Path, overwrite: Overwrite) -> anyhow::Result<()> {
         Ok(_) if overwrite == Overwrite::Refuse => Err(exists(path)),
         // A device or a pipe would be gone behind the file.
         Ok(entry) if !entry.is_file() && !entry.is_symlink() => bail!(
-            "cannot write {}: it is no plain file; give another name",
+            "cannot write {}: it is not a plain file; give another name",
             path.display()
         ),
         _ => Ok(()),
@@ -143,7 +143,7 @@ fn folder_of(path: &Path) -> &Path {
 /// Makes the error for a file that exists.
 fn exists(path: &Path) -> anyhow::Error {
     anyhow::anyhow!(
-        "{} exists: say --force to overwrite it, or give another name",
+        "{} exists: add --force to overwrite it, or give another name",
         path.display()
     )
 }

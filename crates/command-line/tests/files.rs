@@ -42,7 +42,7 @@ fn an_existing_file_stays_unless_overwriting_is_allowed() {
     let text = write_new(&path, b"two", Overwrite::Refuse)
         .expect_err("it exists")
         .to_string();
-    assert!(text.contains("result.csv exists: say --force"), "{text}");
+    assert!(text.contains("result.csv exists: add --force"), "{text}");
     assert_eq!(fs::read(&path).expect("kept"), b"one");
     write_new(&path, b"two", Overwrite::Allow).expect("allowed");
     assert_eq!(fs::read(&path).expect("replaced"), b"two");

@@ -156,7 +156,7 @@ fn a_table_may_begin_anywhere_and_its_cells_keep_their_names() {
     );
 }
 
-/// An empty cell is empty and no 0; a date, an error and a truth value are no numbers, but a formula is its value.
+/// An empty cell is empty and not 0; a date, an error and a truth value are not numbers; a formula is its value.
 #[test]
 fn cells_are_what_they_hold() {
     let (_folder, file) = book(&["Runs"], |_, sheet| {
@@ -212,7 +212,7 @@ fn an_error_in_the_first_cell_is_no_comment() {
     assert_eq!(fields(&read(&file).unwrap()), [["#N/A", "1"], ["2", "3"]]);
 }
 
-/// Two sheets with cells must be told apart; an empty and a hidden one are no rivals, but the hidden one can be named.
+/// With two sheets that have cells the user must name one; empty and hidden sheets do not count, but a hidden one can be named.
 #[test]
 fn the_sheet_is_the_only_one_with_cells_or_named() {
     let fill = |name: &str, sheet: &mut Worksheet| match name {
@@ -246,7 +246,7 @@ fn the_sheet_is_the_only_one_with_cells_or_named() {
     assert!(refused(&file).contains("no visible sheet has cells"));
 }
 
-/// What is invalid as a table is told with the cell.
+/// An error in a table names the cell.
 #[test]
 fn merged_cells_notes_and_formulas_without_value_are_refused_with_their_cell() {
     let (_folder, file) = book(&["Runs"], |_, sheet| {
@@ -313,7 +313,7 @@ fn a_table_that_would_fill_the_memory_is_refused() {
     );
 }
 
-/// The kinds of file that are no workbook, each with its way out.
+/// Files of other kinds than a workbook, each with its remedy.
 #[test]
 fn files_that_are_no_workbook_are_told_apart() {
     let (_folder, file) = kept(b"x,y\n1,2\n");
@@ -332,7 +332,7 @@ fn files_that_are_no_workbook_are_told_apart() {
         .unwrap();
     archive.write_all(b"no workbook").unwrap();
     let (_folder, file) = kept(archive.finish().unwrap().get_ref());
-    assert!(refused(&file).contains("no Excel workbook"));
+    assert!(refused(&file).contains("save it as .xlsx"));
     // A workbook is known by its content, whatever its name.
     let other = file.with_file_name("book.xlsx.csv");
     std::fs::write(&other, &whole).unwrap();
@@ -404,7 +404,7 @@ fn a_text_that_many_cells_share_is_counted_for_each() {
     );
 }
 
-/// What pandas writes by default: the numbers of the rows, from 0 or 1 or in any order, in a first column without a name. Any
+/// pandas writes the numbers of the rows by default, from 0 or 1 or in any order, in a first column without a name. Any
 /// other column without a name is refused with its cell.
 #[test]
 fn a_first_column_of_row_numbers_needs_no_name() {

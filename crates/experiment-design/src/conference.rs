@@ -48,7 +48,7 @@ impl Field {
         digits.fold(0, |sum, digit| sum * self.prime + digit % self.prime)
     }
 
-    /// What t^degree is in lower powers: t^2 = 2 over 3 and 5 elements, which have no root of 2; t^3 = t + 1 over 3,
+    /// t^degree in lower powers: t^2 = 2 over 3 and 5 elements, which have no root of 2; t^3 = t + 1 over 3,
     /// as t^3 - t is 0 at each of them.
     fn reduction(&self) -> &'static [usize] {
         match self.degree {

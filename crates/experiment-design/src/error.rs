@@ -1,4 +1,4 @@
-//! What can be wrong with factors, designs and their tables.
+//! Errors of factors, designs and their tables.
 
 use thiserror::Error;
 
@@ -57,17 +57,17 @@ pub enum Error {
         least: usize,
         /// Greatest number of factors.
         most: usize,
-        /// What to do instead.
+        /// Remedy.
         way_out: &'static str,
     },
     /// The design does not exist with so many runs.
-    #[error("a {design} design of {given} runs is not offered; {way_out}")]
+    #[error("a {design} design of {given} runs is not available; {way_out}")]
     RunCount {
         /// Kind of the design.
         design: &'static str,
         /// Number of runs asked for.
         given: usize,
-        /// What to do instead.
+        /// Remedy.
         way_out: &'static str,
     },
     /// The axial distance of a central composite design is invalid.
@@ -81,18 +81,18 @@ pub enum Error {
     BadGenerator {
         /// The generator as given.
         generator: String,
-        /// What is wrong with it, and the way out.
+        /// The fault and the remedy.
         reason: &'static str,
     },
     /// No run can keep all constraints.
     #[error(
-        "no point within the ranges and levels was found that keeps all constraints; widen the ranges, or take a \
-         constraint away"
+        "no point within the ranges and levels was found that keeps all constraints; widen the ranges, or remove a \
+         constraint"
     )]
     NoRoom,
     /// Centre runs cannot be shared out among blocks.
     #[error(
-        "{given} centre runs cannot be shared out equally among {blocks} blocks; take a multiple of {blocks}, such as {}",
+        "{given} centre runs cannot be divided equally among {blocks} blocks; take a multiple of {blocks}, such as {}",
         given.div_ceil(*blocks).max(1) * blocks
     )]
     UnequalCentres {
@@ -123,7 +123,7 @@ pub enum Error {
     /// A count is out of its range.
     #[error("the number of {what} is {given}; it must lie in {least} to {most}")]
     CountOutOfRange {
-        /// What is counted.
+        /// Name of the counted items.
         what: &'static str,
         /// The number asked for.
         given: usize,
@@ -140,10 +140,8 @@ pub enum Error {
         /// Number of columns of the design.
         columns: usize,
     },
-    /// A file of bytes that are no text was given for a table.
-    #[error(
-        "this is no text but a file of another kind; give CSV text or an Excel workbook (.xlsx)"
-    )]
+    /// A file of bytes that are not text was given as a table.
+    #[error("this file is not text; give CSV text or an Excel workbook (.xlsx)")]
     NotText,
     /// The table has no header or no rows.
     #[error("the table has no {what}; it needs a header line and at least one row")]
@@ -163,12 +161,12 @@ pub enum Error {
         /// How many are read.
         most: usize,
     },
-    /// A row of totals, means or the like stands among the runs.
+    /// A row of totals or means among the runs.
     #[error(
-        "{place}: '{text}' stands in a column of numbers: delete the row if it holds totals or means, or begin it with #"
+        "{place}: '{text}' in a column of numbers; delete the row if it holds totals or means, or begin it with #"
     )]
     SummaryRow {
-        /// Where the word stands, in words.
+        /// Place of the word, as text.
         place: String,
         /// The word.
         text: String,
@@ -210,13 +208,13 @@ pub enum Error {
     DuplicateColumn {
         /// The name.
         column: String,
-        /// How often it stands in the header.
+        /// Number of times it is in the header.
         count: usize,
     },
     /// A field is not a finite number.
     #[error("{place}: '{text}' is not a finite number; correct it, or leave the row out")]
     BadNumber {
-        /// Where it stands, in words.
+        /// Its place, as text.
         place: String,
         /// The field as read.
         text: String,
@@ -227,7 +225,7 @@ pub enum Error {
          the natural value should be {expected}, it is {given}"
     )]
     CodingMismatch {
-        /// Where the row stands, in words.
+        /// Place of the row, as text.
         place: String,
         /// Symbol of the factor.
         symbol: String,

@@ -16,7 +16,7 @@ use crate::Error;
 pub struct Factor {
     /// Short name, used as column name and in model formulas.
     symbol: String,
-    /// What the factor is, in words.
+    /// Name of the factor.
     name: String,
     /// Unit of `low` and `high`; `1` if dimensionless.
     unit: String,
@@ -31,7 +31,7 @@ pub struct Factor {
 struct RawFactor {
     /// Short name.
     symbol: String,
-    /// What it is.
+    /// Its name.
     #[serde(default)]
     name: String,
     /// Unit of the bounds.
@@ -102,7 +102,7 @@ impl Factor {
         &self.symbol
     }
 
-    /// What the factor is, in words.
+    /// Name of the factor.
     pub fn name(&self) -> &str {
         &self.name
     }

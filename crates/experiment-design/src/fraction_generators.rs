@@ -30,13 +30,13 @@ pub fn fraction_with_generators(
             .split_once('=')
             .ok_or_else(|| refuse("write it as D=ABC, or as D=A:B:C for longer symbols"))?;
         let place = place_of(factors, symbol.trim())
-            .ok_or_else(|| refuse("what stands before '=' is no factor"))?;
+            .ok_or_else(|| refuse("the text before '=' is not a factor"))?;
         let (sign, word) = match word.trim().strip_prefix('-') {
             Some(rest) => (-1.0, rest),
             None => (1.0, word.trim()),
         };
         let parts = letters(factors, word)
-            .ok_or_else(|| refuse("what stands behind '=' is no product of factors"))?;
+            .ok_or_else(|| refuse("the text after '=' is not a product of factors"))?;
         if made.iter().any(|(other, _, _)| *other == place) {
             return Err(refuse("this factor has a generator already"));
         }
@@ -96,7 +96,7 @@ pub fn fraction_with_generators(
 /// Returns the design and the products that are confounded with blocks.
 ///
 /// # Errors
-/// [`Error::BadGenerator`] for a word that is no product of factors, that is constant over the
+/// [`Error::BadGenerator`] for a word that is not a product of factors, that is constant over the
 /// runs, or that the other words give.
 pub fn in_blocks(design: &Design, words: &[String]) -> Result<(Design, Vec<String>), Error> {
     let factors = design.factors();
@@ -104,7 +104,7 @@ pub fn in_blocks(design: &Design, words: &[String]) -> Result<(Design, Vec<Strin
     if words.len() > design.runs().len().ilog2() as usize {
         return Err(Error::BadGenerator {
             generator: words.join(", "),
-            reason: "so many products make more blocks than there are runs; give fewer",
+            reason: "these products make more blocks than there are runs; give fewer",
         });
     }
     let mut masks = Vec::new();

@@ -58,7 +58,7 @@ pub struct Fraction {
     pub resolution: usize,
     /// Products of factors that are constant +1 over the runs (symbols joined by `:`).
     pub defining_words: Vec<String>,
-    /// Main effects and two-factor interactions that cannot be told apart, set by set.
+    /// Main effects and two-factor interactions that the runs cannot separate, set by set.
     pub aliases: Vec<Vec<String>>,
 }
 

@@ -85,8 +85,8 @@ fn from_field_of_27() -> Vec<Vec<f64>> {
     (0..27).map(row).chain([vec![-1.0; 27]]).collect()
 }
 
-/// Twice the runs: the columns repeated, their products with a column that tells the halves apart,
-/// and that column.
+/// Twice the runs: the columns repeated, their products with a column that is +1 in one half and -1 in the
+/// other, and that column.
 fn doubled(half: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let side = |sign: f64| {
         half.iter().map(move |row| {

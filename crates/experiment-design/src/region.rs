@@ -37,13 +37,13 @@ pub struct Constraint {
 }
 
 impl Constraint {
-    /// What is left of the bound at a point; below zero outside.
+    /// Distance to the bound at a point; negative outside.
     fn room(&self, x: &[f64]) -> f64 {
         let sum: f64 = self.weights.iter().zip(x).map(|(w, x)| w * x).sum();
         self.bound - sum
     }
 
-    /// Rounding that is no breach.
+    /// Tolerance for rounding.
     fn slack(&self) -> f64 {
         SLACK * self.weights.iter().map(|w| w.abs()).sum::<f64>()
     }
@@ -52,9 +52,9 @@ impl Constraint {
 /// The points that a run may be.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
-    /// What each coordinate may be.
+    /// Allowed values of each coordinate.
     coordinates: Vec<Coordinate>,
-    /// What they must keep together.
+    /// Constraints on all coordinates together.
     constraints: Vec<Constraint>,
     /// A point of the region.
     inside: Vec<f64>,
@@ -155,8 +155,8 @@ impl Region {
         }
     }
 
-    /// What the constraints leave of the range of one coordinate, the others as in `x`; its own value alone where that is
-    /// less than rounding.
+    /// Range of one coordinate within the constraints, with the others as in `x`; only its own value if the range is
+    /// smaller than rounding.
     fn interval(&self, x: &[f64], j: usize) -> [f64; 2] {
         let mut ends = [-1.0_f64, 1.0];
         for c in self.constraints.iter().filter(|c| c.weights[j] != 0.0) {
@@ -337,8 +337,8 @@ fn tidy(x: f64) -> f64 {
     (x * 1e12).round() / 1e12 + 0.0
 }
 
-/// Where the planes of constraints meet, as values of the free coordinates in place of those of `x`, one for each plane;
-/// none for planes that are parallel but for rounding.
+/// Where the planes of constraints meet, as values of the free coordinates instead of those of `x`, one for each plane;
+/// `None` for planes that are parallel within rounding.
 fn meeting(active: &[&Constraint], free: &[usize], x: &[f64]) -> Option<Vec<f64>> {
     let n = free.len();
     if n == 0 {

@@ -50,7 +50,7 @@ pub fn factors_from_table(table: &Table) -> Result<Vec<Factor>, Error> {
 
 /// Reads a design as [`design_to_csv`] writes it; only the columns of the factors are needed.
 ///
-/// The columns named by the symbols are coded. Where a `_natural` column stands beside, it must
+/// The columns named by the symbols are coded. If there is a `_natural` column too, it must
 /// agree with the range of the factor to 1e-9 of the half-range.
 ///
 /// # Errors

@@ -37,7 +37,7 @@ pub(crate) struct Coat {
     samples: u32,
     /// Distance of the nearest triangle toward the camera, samples; row by row.
     near: Vec<f64>,
-    /// Place of its normal; without meaning where nothing is near.
+    /// Place of its normal; without meaning if no surface is near.
     owner: Vec<u32>,
     /// Unit normals of the triangles that look at the camera, in camera axes: kept once for each triangle, since
     /// a picture has millions of samples.
@@ -79,7 +79,7 @@ impl Coat {
         coat
     }
 
-    /// What the coat shows at a sample, if anything.
+    /// The visible layer at a sample, if any.
     pub(crate) fn layer(&self, column: u32, row: u32) -> Option<Layer> {
         let place = row as usize * self.samples as usize + column as usize;
         let near = *self.near.get(place)?;

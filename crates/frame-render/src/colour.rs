@@ -9,7 +9,7 @@ pub const OUTSIDE_COLOUR: [u8; 3] = [20, 20, 22];
 /// Front face of the drum wall.
 pub const RIM_COLOUR: [u8; 3] = [92, 96, 102];
 
-/// Walls of triangles: blue, so that they are told from seeds and covers.
+/// Walls of triangles: blue, to distinguish them from seeds and covers.
 pub(crate) const WALL_COLOUR: [u8; 3] = [70, 110, 165];
 
 /// Mean colour of a seed coat, luma 110.
@@ -17,7 +17,7 @@ const SEED_COLOUR: [f64; 3] = [124.0, 108.0, 90.0];
 /// Largest relative departure of one seed's colour from the mean.
 const SEED_COLOUR_SPREAD: f64 = 0.07;
 
-/// Dark brown of a seed, slightly different from seed to seed so that neighbours can be told apart.
+/// Dark brown of a seed, slightly different from seed to seed so that neighbours can be distinguished.
 ///
 /// Luma is 102 to 118 before shading and therefore 41 to 118 in a drum picture; the background
 /// has 215. The colour depends on the number of the seed only.

@@ -16,7 +16,7 @@ pub(crate) struct Footprint {
     pub(crate) radius: f64,
 }
 
-/// What a pixel shows.
+/// The nearest surface at a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Hit {
     /// Position of the sphere in its list.
@@ -81,7 +81,7 @@ impl DepthBuffer {
         }
     }
 
-    /// What is seen at a pixel, if anything.
+    /// The surface seen at a pixel, if any.
     pub(crate) fn hit(&self, column: u32, row: u32) -> Option<Hit> {
         let place = row as usize * self.pixels + column as usize;
         let owner = *self.owner.get(place)?;

@@ -44,7 +44,7 @@ pub fn render_drum_with_walls(
     draw(spheres, walls, view, empty_drum(view, &projection))
 }
 
-/// What lies on a floor, seen from the side along -z by parallel rays: x to the right, y up, a square picture.
+/// Bodies on a floor, seen from the side along -z by parallel rays: x to the right, y up, a square picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SideView {
     /// Point in the middle of the picture, m.

@@ -1,4 +1,4 @@
-//! Where the camera stands before the drum, and the exact map between metres and pixels.
+//! Position of the camera before the drum, and the exact map between metres and pixels.
 
 use crate::Error;
 

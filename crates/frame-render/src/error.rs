@@ -1,4 +1,4 @@
-//! What can be wrong with a picture that is asked for.
+//! Errors of a requested picture.
 
 /// Why a picture cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -24,7 +24,7 @@ pub enum Error {
         field: &'static str,
         /// The value in the unit named by the requirement.
         value: f64,
-        /// What is needed, with the unit.
+        /// Requirement, with the unit.
         requirement: &'static str,
     },
     /// A picture too small to show anything or too large to hold in memory.

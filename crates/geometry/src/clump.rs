@@ -1,9 +1,8 @@
 //! The multi-sphere body: spheres, mass, principal inertia.
 //!
 //! A [`Clump`] is a rigid body whose surface is a union of spheres. It lives in its own frame:
-//! origin at the centre of mass, axes along the principal axes of inertia. Where the mass sits
-//! (in the spheres or in the seed that they stand for) is the choice of whoever builds it. [`files`] writes it for other
-//! programs.
+//! origin at the centre of mass, axes along the principal axes of inertia. The caller decides where the mass is:
+//! in the spheres or in the seed that they represent. [`files`] writes it for other programs.
 
 pub mod files;
 
@@ -11,8 +10,8 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Densities that a body may have, kg/m³: from half of the lightest foamed beads (10) to the densest metal (osmium,
-/// 22 590). A mass in a unit a thousand times off, or a size ten times off, of anything from 25 to 5000 kg/m³ lies
-/// outside.
+/// 22 590). For any material from 25 to 5000 kg/m³, a mass wrong by a factor of 1000 or a size wrong by a factor of 10
+/// lies outside.
 pub const DENSITIES: std::ops::RangeInclusive<f64> = 5.0..=25_000.0;
 
 /// One sphere of a body.
@@ -35,7 +34,7 @@ pub struct MassProperties {
     pub inertia: Matrix3<f64>,
 }
 
-/// What is wrong with a body.
+/// Errors of a body.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -178,18 +177,18 @@ impl Clump {
             .fold(0.0, f64::max)
     }
 
-    /// Mass that a blow at the tip of the body has to move, kg.
+    /// Effective mass of the body for an impulse at its tip, kg.
     ///
     /// # Formula
     ///
     /// `1/m_e = 1/m + l²/I`, with l the bounding radius and I the largest moment of inertia: the
-    /// normal impulse at an arm l turns the body as well as it pushes it.
+    /// normal impulse at the lever arm l rotates the body as well as moving it.
     pub fn mass_felt_at_tip(&self) -> f64 {
         let arm = self.bounding_radius();
         1.0 / (1.0 / self.mass + arm * arm / self.inertia.max())
     }
 
-    /// Mass of one sphere if the mass is shared in proportion to sphere volume, kg.
+    /// Mass of one sphere if the mass is divided in proportion to sphere volume, kg.
     pub fn fraction_mass(&self, index: usize) -> f64 {
         let total: f64 = self.spheres.iter().map(|s| s.radius.powi(3)).sum();
         self.mass * self.spheres[index].radius.powi(3) / total
@@ -204,8 +203,8 @@ impl Clump {
     /// Keeps only the spheres that something outside can touch: those that a probe of half the smallest radius of this
     /// body reaches. Mass and inertia stay.
     ///
-    /// What is smaller than the probe, such as spheres of another body or the edge of a wall, could slip through a hole
-    /// to a sphere that is left out.
+    /// Objects smaller than the probe, such as spheres of another body or the edge of a wall, could pass through a hole
+    /// to an omitted sphere.
     #[must_use]
     pub fn without_hidden_spheres(&self) -> Self {
         self.reached_by(0.5 * self.smallest_radius())
@@ -291,7 +290,7 @@ fn fibonacci_directions(n: u32) -> Vec<Vector3<f64>> {
         .collect()
 }
 
-/// Refuses what is not a positive finite number.
+/// Refuses a value that is not a positive finite number.
 fn positive(what: &'static str, value: f64) -> Result<(), Error> {
     if value.is_finite() && value > 0.0 {
         Ok(())

@@ -38,7 +38,7 @@ fn body(mass: Option<f64>) -> Body<'static> {
     }
 }
 
-/// Numbers of a line, whatever stands between them.
+/// Numbers of a line, with any text between them.
 fn numbers(line: &str) -> Vec<f64> {
     let words = line.split([' ', ',']).filter(|word| !word.is_empty());
     words.filter_map(|word| word.parse().ok()).collect()

@@ -1,7 +1,6 @@
-//! Files that a user names, read only where they are plain files of a plausible size.
+//! Files of a user, read only if they are plain files of a plausible size.
 //!
-//! A pipe would be waited for, a device such as `/dev/zero` never ends, and a folder has no content: each is an error that says
-//! so. Links are followed, since a user may keep his data elsewhere.
+//! Reading a pipe would wait, a device such as `/dev/zero` never ends, and a folder has no content: each is a separate error. Links are followed, since a user may keep his data elsewhere.
 
 mod toml_slip;
 
@@ -18,7 +17,7 @@ pub const MOST_BYTES: u64 = 1 << 31;
 ///
 /// # Errors
 ///
-/// A file that is missing or closed to us; a folder, pipe, socket or device; more than [`MOST_BYTES`].
+/// A file that is missing or may not be read; a folder, pipe, socket or device; more than [`MOST_BYTES`].
 pub fn open(path: &Path) -> Result<File> {
     // Looked at before it is opened: opening a pipe waits for a writer.
     let meta = std::fs::metadata(path)?;
@@ -27,8 +26,7 @@ pub fn open(path: &Path) -> Result<File> {
         return Err(Error::new(ErrorKind::IsADirectory, what));
     }
     if !meta.is_file() {
-        let what =
-            "it is no plain file but a pipe, socket or device; write its content into a file";
+        let what = "it is a pipe, socket or device; write its content into a plain file";
         return Err(Error::new(ErrorKind::InvalidInput, what));
     }
     if meta.len() > MOST_BYTES {
@@ -42,7 +40,7 @@ pub fn open(path: &Path) -> Result<File> {
 ///
 /// # Errors
 ///
-/// As [`open`]; a disk that cannot be read.
+/// As [`open`]; a failed read.
 pub fn read(path: &Path) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     // A file may grow while it is read.
@@ -54,11 +52,11 @@ pub fn read(path: &Path) -> Result<Vec<u8>> {
 ///
 /// # Errors
 ///
-/// As [`read`]; bytes that are no text.
+/// As [`read`]; bytes that are not UTF-8 text.
 pub fn read_text(path: &Path) -> Result<String> {
     String::from_utf8(read(path)?).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
-        let what = format!("it is no UTF-8 text: byte {at} is no part of a character");
+        let what = format!("it is not UTF-8 text: byte {at} is not part of a character");
         Error::new(ErrorKind::InvalidData, what)
     })
 }
@@ -71,7 +69,7 @@ pub fn has_ending(path: &Path, endings: &[&str]) -> bool {
 
 /// The files in a folder in [the order of their names](name_order): those with one of these endings, and the others.
 ///
-/// A hidden file is one of the others whatever its ending: systems keep notes on `a.png` as `._a.png` beside it.
+/// A hidden file belongs to the others whatever its extension: some systems keep notes on `a.png` in `._a.png`.
 ///
 /// # Errors
 ///
@@ -95,8 +93,8 @@ pub fn is_hidden(path: &Path) -> bool {
     name.is_some_and(|name| name.starts_with('.'))
 }
 
-/// What a name is sorted by: stretches of digits count by their value, so that `frame-10` comes
-/// after `frame-9`, and the name itself where these are equal.
+/// Sort key of a name: runs of digits count by their value, so that `frame-10` comes after
+/// `frame-9`; the name itself decides between equal keys.
 pub fn name_order(path: &Path) -> (Vec<(String, u128)>, PathBuf) {
     let name = path.to_string_lossy();
     let mut parts = vec![(String::new(), 0_u128)];
@@ -123,7 +121,7 @@ mod tests {
     use std::fs::File;
     use std::path::Path;
 
-    /// Content comes back as it was written, also through a link; what is no text is told with the place.
+    /// Content comes back as it was written, also through a link; bytes that are not text are reported with their place.
     #[test]
     fn a_plain_file_is_read() {
         let folder = tempfile::tempdir().unwrap();
@@ -170,7 +168,7 @@ mod tests {
         );
     }
 
-    /// A hidden file with the ending that is asked for is none of those that are meant.
+    /// A hidden file with the requested extension is not listed.
     #[test]
     fn hidden_files_of_a_folder_are_not_meant() {
         let folder = tempfile::tempdir().unwrap();

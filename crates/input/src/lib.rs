@@ -1,4 +1,4 @@
-//! What a user writes: quantities with their unit, numbers as people read them, and plain files of a plausible size.
+//! Input of a user: quantities with their unit, numbers in readable form, and plain files of a plausible size.
 
 pub mod file;
 pub mod quantity;

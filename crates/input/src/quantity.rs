@@ -1,7 +1,7 @@
-//! Lengths, angles, speeds and other scalars read with their unit and checked; numbers printed with the digits that matter.
+//! Lengths, angles, speeds and other scalars read with their unit and checked; numbers printed with their significant digits.
 //!
 //! A file says `radius = "0.45 mm"`; the code holds 0.00045 m. A bare number, a unit of the wrong
-//! kind and an invalid value are errors that name the way out.
+//! kind and an invalid value are errors that name the remedy.
 //!
 //! ```
 //! use input::quantity::{AngularSpeed, Length, Restitution};

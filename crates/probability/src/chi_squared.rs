@@ -3,7 +3,7 @@
 use crate::quantile_search::quantile_of;
 use statrs::function::gamma::checked_gamma_ur;
 
-/// P(chi2 >= x) with `df` degrees of freedom; none where it is undefined.
+/// P(chi2 >= x) with `df` degrees of freedom; `None` if undefined.
 ///
 /// # Formula
 /// `Q(df/2, x/2)`, Q the regularised upper incomplete gamma function.
@@ -20,7 +20,7 @@ pub fn chi_squared_upper_tail(x: f64, df: f64) -> Option<f64> {
     checked_gamma_ur(df / 2.0, x / 2.0).ok()
 }
 
-/// The x with P(chi2 >= x) = `tail`, for 0 < `tail` < 1 and finite `df`; none where it is undefined.
+/// The x with P(chi2 >= x) = `tail`, for 0 < `tail` < 1 and finite `df`; `None` if undefined.
 pub fn chi_squared_quantile(tail: f64, df: f64) -> Option<f64> {
     if !df.is_finite() {
         return None;

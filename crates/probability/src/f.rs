@@ -7,7 +7,7 @@ use crate::quantile_search::quantile_of;
 use statrs::function::beta::checked_beta_reg;
 use statrs::function::gamma::ln_gamma;
 
-/// P(F >= f) with `df1` and `df2` degrees of freedom; none where it is undefined.
+/// P(F >= f) with `df1` and `df2` degrees of freedom; `None` if undefined.
 ///
 /// # Formula
 /// `I_x(df2/2, df1/2)` at `x = df2 / (df2 + df1 f)`, I the regularised incomplete beta function.
@@ -21,7 +21,7 @@ pub fn f_upper_tail(f: f64, df1: f64, df2: f64) -> Option<f64> {
     checked_beta_reg(df2 / 2.0, df1 / 2.0, df2 / (df2 + df1 * f)).ok()
 }
 
-/// The f with P(F >= f) = `tail`, for 0 < `tail` < 1; none where it is undefined.
+/// The f with P(F >= f) = `tail`, for 0 < `tail` < 1; `None` if undefined.
 pub fn f_quantile(tail: f64, df1: f64, df2: f64) -> Option<f64> {
     quantile_of(tail, |f| f_upper_tail(f, df1, df2))
 }

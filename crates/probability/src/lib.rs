@@ -1,7 +1,7 @@
 //! Distributions of statistics: tails, quantiles, and the functions behind them.
 //!
 //! Tails come from the incomplete beta and gamma functions themselves, never as 1 - cdf, so that a p value of 1e-28 keeps
-//! its digits. What is undefined is `None`. All of the workspace takes its distributions from here.
+//! its digits. Undefined values are `None`. The whole workspace uses these distributions.
 //!
 //! ```
 //! // Student's t with 10 degrees of freedom exceeds 2.2281 either way in one case of twenty.

@@ -1,4 +1,4 @@
-//! Derivatives of ln Gamma: what few degrees of freedom do to the logarithm of a variance.
+//! Derivatives of ln Gamma: effect of few degrees of freedom on the logarithm of a variance.
 
 /// First derivative of ln Gamma at x > 0.
 pub fn digamma(x: f64) -> f64 {

@@ -1,6 +1,6 @@
 //! Quantiles of positive statistics by bisection of their upper tail.
 
-/// The x > 0 with `upper_tail(x)` = `tail`, for 0 < `tail` < 1; none where the tail is undefined.
+/// The x > 0 with `upper_tail(x)` = `tail`, for 0 < `tail` < 1; `None` if the tail is undefined.
 ///
 /// The bracket doubles until it holds x. Each step halves it; 100 steps exhaust the digits from any start.
 pub(crate) fn quantile_of(tail: f64, upper_tail: impl Fn(f64) -> Option<f64>) -> Option<f64> {

@@ -18,7 +18,7 @@ use sha2::{Digest, Sha256};
 /// A stream of random numbers.
 #[derive(Debug, Clone)]
 pub struct Stream {
-    /// The generator: counter based, so that its period is no concern.
+    /// The generator: counter based, with a period longer than any use.
     generator: ChaCha8Rng,
 }
 

@@ -1,6 +1,6 @@
 //! Quantiles of samples.
 
-/// Quantile of a sample, 0 <= `p` <= 1, linear between order statistics, as R's type 7; not a number of no values.
+/// Quantile of a sample, 0 <= `p` <= 1, linear between order statistics, as R's type 7; NaN for an empty sample.
 ///
 /// # Source
 /// `[HyndmanFan1996, definition 7]`.
@@ -21,7 +21,7 @@ pub fn quantile(values: &[f64], p: f64) -> f64 {
     sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
 }
 
-/// The middle value, the mean of the middle two of an even number; not a number of no values.
+/// The median: the middle value, or the mean of the middle two; NaN for an empty sample.
 pub fn median(values: &[f64]) -> f64 {
     quantile(values, 0.5)
 }

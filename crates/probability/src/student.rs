@@ -3,7 +3,7 @@
 use crate::f::f_upper_tail;
 use crate::quantile_search::quantile_of;
 
-/// P(|T| >= |t|) with `df` degrees of freedom; none where it is undefined.
+/// P(|T| >= |t|) with `df` degrees of freedom; `None` if undefined.
 ///
 /// # Source
 /// `[Abramowitz1964, eq. 26.7.1]`.
@@ -11,7 +11,7 @@ pub fn t_two_sided_tail(t: f64, df: f64) -> Option<f64> {
     f_upper_tail(t * t, 1.0, df)
 }
 
-/// The t with P(|T| >= t) = `tail`, for 0 < `tail` < 1 and finite `df`; none where it is undefined.
+/// The t with P(|T| >= t) = `tail`, for 0 < `tail` < 1 and finite `df`; `None` if undefined.
 pub fn t_two_sided_quantile(tail: f64, df: f64) -> Option<f64> {
     if !df.is_finite() {
         return None;

@@ -1,4 +1,4 @@
-//! The distribution of the studentized range: greatest less least of k means over their standard error.
+//! The distribution of the studentized range: largest minus smallest of k means, over their standard error.
 
 use crate::normal::{normal_cdf, normal_density};
 use statrs::function::gamma::ln_gamma;
@@ -11,7 +11,7 @@ const RULE: [(f64, f64); 4] = [
     (0.960_289_856_497_536_2, 0.101_228_536_290_376_26),
 ];
 
-/// P(Q >= q) of the studentized range of `k` means with `df` degrees of freedom behind their standard error; none for
+/// P(Q >= q) of the studentized range of `k` means with `df` degrees of freedom of their standard error; `None` for
 /// fewer than two means, no degrees of freedom, or a negative q.
 ///
 /// # Formula
@@ -39,7 +39,7 @@ pub fn studentized_range_upper_tail(q: f64, k: usize, df: f64) -> Option<f64> {
     Some(tail.clamp(0.0, 1.0))
 }
 
-/// The q with P(Q >= q) = `tail`, for 0 < `tail` < 1; none where it is undefined.
+/// The q with P(Q >= q) = `tail`, for 0 < `tail` < 1; `None` if undefined.
 pub fn studentized_range_quantile(tail: f64, k: usize, df: f64) -> Option<f64> {
     if !(tail > 0.0 && tail < 1.0) {
         return None;

@@ -18,15 +18,15 @@ const LEAST_COVER: f64 = 0.5;
 const MIDDLE: f64 = 0.2;
 /// Part of the half-chord over which the shape is fitted.
 const SHAPE_REACH: f64 = 0.8;
-/// The stations beyond this part of the half-chord carry the line on to the rim.
+/// The stations beyond this part of the half-chord extrapolate the line to the rim.
 const END_FROM: f64 = 0.8;
-/// Of the difference between two ways to carry the surface on to the rim, what counts as standard
+/// Factor from the difference between two extrapolations of the surface to the rim to the standard
 /// deviation of the chord: that of a distribution of two equally likely values.
 const CARRY_PART: f64 = 0.5;
-/// Turns of the frame until it lies along the line; each leaves about 1e-3 of the rest.
+/// Rotations of the frame until it lies along the line; each reduces the difference by about 1e-3.
 const TURNS: usize = 8;
 
-/// Which slope is meant by the angle.
+/// Definition of the angle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Definition {
@@ -39,7 +39,7 @@ pub enum Definition {
     Chord,
 }
 
-/// The side on which the surface stands higher.
+/// The side on which the surface is higher.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum HighSide {
@@ -65,18 +65,18 @@ pub struct SurfaceAngle {
     /// Standard error of `mid` from the roughness of this one surface, rad.
     pub mid_standard_error: f64,
     /// Quadratic coefficient over 80 % of the half-chord, lengths in half-chords; positive when
-    /// the ends stand above the middle, 1.
+    /// the ends are higher than the middle, 1.
     pub curvature: f64,
     /// Cubic coefficient over 80 % of the half-chord, lengths in half-chords; positive when the
     /// middle is steeper than the ends, 1.
     pub s_shape: f64,
     /// Coefficients of the orthonormal shapes of degree 2 to 5 over the whole chord, in drum radii: the root mean square height
-    /// of each shape. None where the surface found leaves an end of the chord bare.
+    /// of each shape. `None` if the surface does not reach both ends of the chord.
     ///
-    /// The first two are `curvature` and `s_shape` in another unit and over a longer stretch; the other two are their own.
+    /// The first two are `curvature` and `s_shape` in another unit and over a longer range.
     #[serde(default)]
     pub shape: Option<[f64; 4]>,
-    /// The side on which the surface stands higher.
+    /// The side on which the surface is higher.
     pub high_side: HighSide,
     /// Points that count.
     pub n_points: usize,
@@ -104,7 +104,7 @@ impl SurfaceAngle {
     }
 }
 
-/// A [`SurfaceAngle`] with what a picture of it needs.
+/// A [`SurfaceAngle`] with the data for a picture of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceReading {
     /// The angle and the shape.
@@ -133,8 +133,8 @@ pub struct SurfaceReading {
 /// # Formula
 /// `line`: principal axis of the stations `[Pearson1901]`. `mid`: the same over the stations
 /// within a tenth of the diameter of the foot of the drum axis. `chord`: the least-squares
-/// cubic, plus the least-squares line through what the outer fifth of a half-chord leaves over
-/// it, carried on to the drum circle on either side; ends joined.
+/// cubic, plus the least-squares line through the residuals of the outer fifth of a half-chord,
+/// extrapolated to the drum circle on either side; ends joined.
 /// Shape: `v / c = a0 + a1 (u / c) + a2 (u / c)^2 + a3 (u / c)^3` for `|u| <= 0.8 c`, with u
 /// downhill along the line, v its upward normal, c the half-chord; `curvature = a2`,
 /// `s_shape = a3`. The whole surface: `v / R = sum_k shape_k sqrt(2 k + 1) P_k(u / c)` over all stations, k = 0 to 5, with the
@@ -145,7 +145,7 @@ pub struct SurfaceReading {
 /// factor tau along the surface `[Geyer1992, section 3.3]`; m - 4 is held at 3 or more. Those of
 /// `mid` and `chord`: `sqrt(sum_ij w_i C(i - j) w_j)` with the lag covariance C of the residuals
 /// and the change w of the slope by the height of a station; that of `chord` also holds half of the change
-/// when the cubic alone is carried on to the rim. All three are widened by
+/// if the cubic alone is extrapolated to the rim. All three are widened by
 /// `t / 1.96`, t being the 97.5 % point of Student's distribution with m - 4 degrees of freedom (a third as many for `line`, whose tau is estimated as well)
 /// `[Abramowitz1964, eq. 26.7.5]`, so that 1.96 of them are half of the 95 % interval.
 ///
@@ -156,7 +156,7 @@ pub fn measure(points: &[SurfacePoint], drum: &DrumCircle) -> Result<SurfaceAngl
     read_surface(points, drum).map(|reading| reading.angle)
 }
 
-/// Does what [`measure`] does and tells which points count and where the lines end.
+/// As [`measure`]; also returns which points count and where the lines end.
 ///
 /// # Errors
 /// As [`measure`].
@@ -224,7 +224,7 @@ pub fn read_surface(points: &[SurfacePoint], drum: &DrumCircle) -> Result<Surfac
     })
 }
 
-/// Refuses what cannot be a surface in a drum.
+/// Refuses points that cannot be a surface in a drum.
 fn check(points: &[SurfacePoint], drum: &DrumCircle) -> Result<(), Error> {
     drum.check()?;
     if points.len() < FEWEST_POINTS {
@@ -293,7 +293,7 @@ fn chord_slope(ends: &[(f64, f64); 2]) -> f64 {
 
 /// Slope of the central fifth of the diameter against the line, rad.
 ///
-/// Where too few stations lie there, it is the slope of the cubic at the foot of the axis.
+/// If too few stations lie there, it is the slope of the cubic at the foot of the axis.
 fn middle_slope(stations: &Stations, whole: &Cubic, radius: f64) -> f64 {
     let near = stations
         .positions()
@@ -306,8 +306,8 @@ fn middle_slope(stations: &Stations, whole: &Cubic, radius: f64) -> f64 {
 
 /// Where the surface meets the rim on one side (-1 uphill, 1 downhill): (u, v).
 ///
-/// The cubic through the whole surface plus the line through what the outer fifth leaves over
-/// it is carried on to the drum circle.
+/// The cubic through the whole surface plus the line through the residuals of the outer fifth
+/// is extrapolated to the drum circle.
 fn end(stations: &Stations, whole: &Cubic, radius: f64, side: f64) -> (f64, f64) {
     let near: Vec<(f64, f64)> = stations
         .all
@@ -318,7 +318,7 @@ fn end(stations: &Stations, whole: &Cubic, radius: f64, side: f64) -> (f64, f64)
     carried_on(stations, whole, &regression(&near), radius, side)
 }
 
-/// Where the cubic plus the line of a rest meets the rim on one side: (u, v).
+/// Where the cubic plus the line of the residuals meets the rim on one side: (u, v).
 fn carried_on(
     stations: &Stations,
     whole: &Cubic,
@@ -356,7 +356,7 @@ struct Regression {
 }
 
 impl Regression {
-    /// No rest at all.
+    /// A line of zero.
     const LEVEL: Self = Self {
         x: 0.0,
         y: 0.0,

@@ -1,4 +1,4 @@
-//! What the ruler must do with surfaces whose angle is known.
+//! Tests with surfaces of known angle.
 
 use crate::test_noise::correlated;
 use crate::{Definition, DrumCircle, Error, HighSide, SurfacePoint, measure, read_surface};
@@ -326,7 +326,10 @@ fn what_is_no_surface_is_refused() {
         Err(Error::OutsideDrum { .. })
     ));
     let same = vec![SurfacePoint { x: 1.0, y: 1.0 }; 50];
-    assert!(measure(&same, &DRUM).is_err(), "one place is no surface");
+    assert!(
+        measure(&same, &DRUM).is_err(),
+        "a single point gives no surface"
+    );
     let bad = DrumCircle {
         radius: f64::INFINITY,
         ..DRUM
@@ -334,8 +337,8 @@ fn what_is_no_surface_is_refused() {
     assert!(matches!(measure(&good, &bad), Err(Error::BadDrum { .. })));
 }
 
-/// A hump beside the wall, low enough to stay in, turns the chord by 0.7 degrees. Nothing tells
-/// whether it is surface; the stated error of the chord holds a third of the turn, its roughness alone
+/// A hump beside the wall, low enough to stay in, turns the chord by 0.7 degrees. The data cannot
+/// show whether it is surface; the stated error of the chord holds a third of the turn, its roughness alone
 /// a tenth.
 #[test]
 fn a_hump_beside_the_wall_is_in_the_error_of_the_chord() {

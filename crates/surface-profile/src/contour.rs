@@ -15,8 +15,8 @@ const COARSE_SPACING: f64 = 3.0;
 /// The level of half of the bulk value of a field.
 ///
 /// The bulk value is the median over the cells in the drum above half of itself, found by
-/// repetition from the median over all positive cells. A bed whose gaps lower the field has
-/// the level lowered with it. Returns 0 for a field without positive cells in the drum.
+/// repetition from the median over all positive cells. If gaps in the bed lower the field,
+/// they lower the level as well. Returns 0 for a field without positive cells in the drum.
 pub fn bulk_level(field: &Field, drum: &DrumCircle) -> f64 {
     let inside_drum = |dx: f64, dy: f64| dx * dx + dy * dy <= drum.radius * drum.radius;
     let mut inside: Vec<f64> = field
@@ -42,21 +42,21 @@ pub fn bulk_level(field: &Field, drum: &DrumCircle) -> f64 {
 /// The bed is where the field is above the level. Each ray from the air side is cut once,
 /// where the cut leaves the fewest samples on the wrong side; a particle in flight and a gap in
 /// the bed therefore do not move it. The crossing is interpolated between samples. Rays are a
-/// cell apart and reach to `reach` of the drum radius (0 to 1), which keeps the rim out. What the
-/// smoothing of the field did to a bent surface is taken off.
+/// cell apart and reach to `reach` of the drum radius (0 to 1), which excludes the rim. The
+/// effect of smoothing on a curved surface is corrected.
 ///
 /// # Formula
 /// First normal: from the centroid of the bed to the drum axis, exact for a circular segment;
 /// then twice the normal of the line that [`read_surface`] finds.
 ///
 /// A Gaussian of standard deviation s moves the half level of a surface v(u) by
-/// `s^2 v'' / (2 (1 + v'^2))` towards the hollow side, to first order in the curvature: the median of
+/// `s^2 v'' / (2 (1 + v'^2))` towards the concave side, to first order in the curvature: the median of
 /// `Y - v'' X^2 / 2` with X and Y normal. This is subtracted, with the derivatives of the cubic
 /// through the surface. The line of an S of 0.25 would be 0.04 degrees too flat without it.
 ///
 /// # Errors
-/// [`Error::NoSurface`] when the bed fills next to nothing or all of the drum,
-/// [`Error::BadSetting`] for a reach outside 0 to 1, and what [`read_surface`] refuses.
+/// [`Error::NoSurface`] if the bed fills almost nothing or all of the drum,
+/// [`Error::BadSetting`] for a reach outside 0 to 1, and the errors of [`read_surface`].
 pub fn free_surface(
     field: &Field,
     level: f64,
@@ -85,7 +85,7 @@ pub fn free_surface(
     Ok(unsmoothed(points, field.smoothing(), drum, &frame))
 }
 
-/// Moves the points back by what a smoothing with the standard deviation `sd` did to them.
+/// Corrects the points for a smoothing with the standard deviation `sd`.
 fn unsmoothed(
     points: Vec<SurfacePoint>,
     sd: f64,

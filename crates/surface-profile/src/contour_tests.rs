@@ -1,4 +1,4 @@
-//! What the smoothing of a field does to a bent surface, and that it is taken off.
+//! Effect of the smoothing of a field on a curved surface, and its correction.
 
 use crate::{DrumCircle, Field, SurfacePoint, bulk_level, free_surface, measure};
 
@@ -51,8 +51,8 @@ fn smoothed(sd: f64) -> Field {
     Field::new(SurfacePoint { x: first, y: first }, cell, n, values).unwrap()
 }
 
-/// The line of an S that was smoothed over 0.06 radii is that of the sharp S to 0.01 degrees, what the
-/// next order of the curvature leaves; as it stands in the field it is 0.08 degrees too flat. The sharp
+/// The line of an S that was smoothed over 0.06 radii is that of the sharp S to 0.01 degrees, the
+/// next order of the curvature; without the correction it is 0.08 degrees too flat. The sharp
 /// S has the smoothing of a cell and the same rays.
 #[test]
 fn the_smoothing_of_a_bent_surface_is_taken_off() {

@@ -1,10 +1,10 @@
 //! The correlation factor of an ordered sequence.
 
-/// Largest part of the variance that the fit is taken to have absorbed; beyond, the sequence is
-/// too short to tell.
+/// Largest part of the variance that the fit may have absorbed; beyond, the sequence is
+/// too short.
 const MOST_ABSORBED: f64 = 0.6;
 
-/// By what factor correlation between neighbours inflates the variance of a mean.
+/// Factor by which correlation between neighbours inflates the variance of a mean.
 ///
 /// # Formula
 /// `tau = 1 + 2 sum rho(k)`, summed over pairs `rho(2m) + rho(2m + 1)` as long as a pair is
@@ -20,7 +20,7 @@ pub(crate) fn correlation_factor(residuals: &[f64], n_fitted: f64) -> f64 {
     correlation(residuals, n_fitted).factor
 }
 
-/// How an ordered sequence is correlated with itself.
+/// Autocorrelation of an ordered sequence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Correlation {
     /// The correlation factor, see [`correlation_factor`].

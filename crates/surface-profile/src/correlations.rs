@@ -1,12 +1,12 @@
-//! How observables that are read from the same frames go together.
+//! Correlations of observables from the same frames.
 
 use crate::{Error, summarise};
 
-/// Correlations of the means of several series that were read from the same frames, shrunk towards none.
+/// Correlations of the means of several series from the same frames, shrunk towards 0.
 ///
 /// Columns are observables, each with one value a frame, in time order; the matrix has their order and a diagonal of 1. It is
-/// always positive definite. The means are taken to be correlated as the values are, which holds where all observables forget
-/// their past alike.
+/// always positive definite. The means are assumed to have the correlations of the values, which is true if all observables have
+/// the same autocorrelation.
 ///
 /// # Formula
 ///

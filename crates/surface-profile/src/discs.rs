@@ -14,7 +14,7 @@ pub struct Disc {
     pub radius: f64,
 }
 
-/// How the projected density is formed.
+/// Settings of the projected density.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct DensitySettings {
     /// Edge of a cell of the density grid, unit of the drum.
@@ -28,7 +28,7 @@ impl DensitySettings {
     /// over 0.03 of the radius.
     ///
     /// The smoothing is the one that photos get. Doubling it moves the angle of a straight
-    /// surface by nothing; what it does to a bent one is taken off again by [`free_surface`].
+    /// surface by nothing; [`free_surface`] corrects its effect on a curved one.
     pub fn for_drum(drum: &DrumCircle) -> Self {
         Self {
             cell: drum.radius / 70.0,
@@ -39,7 +39,7 @@ impl DensitySettings {
 
 /// Part of the drum radius up to which the density is read; beyond, the wall orders the bed.
 const REACH: f64 = 0.97;
-/// Largest number of cells across the drum; more is a unit mix-up, not a finer picture.
+/// Largest number of cells across the drum; more indicates a wrong unit.
 const MOST_CELLS: f64 = 4000.0;
 
 /// Free surface of a simulated bed, to be given to [`crate::measure`].
@@ -51,7 +51,7 @@ const MOST_CELLS: f64 = 4000.0;
 ///
 /// # Errors
 /// [`Error::BadDrum`], [`Error::BadSetting`], [`Error::NotFinite`], [`Error::NoSurface`] for an
-/// empty or full drum, and what [`crate::read_surface`] refuses.
+/// empty or full drum, and the errors of [`crate::read_surface`].
 pub fn profile_from_discs(
     discs: &[Disc],
     drum: &DrumCircle,

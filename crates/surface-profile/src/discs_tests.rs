@@ -1,4 +1,4 @@
-//! What the density path must find in beds whose surface is known.
+//! Tests of the density path with beds of known surface.
 
 use crate::{
     DensitySettings, Disc, DrumCircle, Error, HighSide, bulk_level, density_of_discs, measure,

@@ -1,6 +1,6 @@
-//! What can be wrong with a surface, a field or a series.
+//! Errors of a surface, a field or a series.
 
-/// Why no angle, surface or summary came out.
+/// Reason for a missing angle, surface or summary.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -32,7 +32,7 @@ pub enum Error {
         /// Least number needed.
         least: usize,
     },
-    /// The points cover too little of the way from rim to rim.
+    /// The points cover too little of the chord from rim to rim.
     #[error("the surface covers {covered:.3} of the chord of the drum, at least {least} is needed")]
     TooShort {
         /// Covered part of the chord, 1.
@@ -50,10 +50,10 @@ pub enum Error {
         /// Radius of the drum, unit of the caller.
         radius: f64,
     },
-    /// An outline that is no heap.
-    #[error("no heap: {what}")]
+    /// An outline that is not that of a heap.
+    #[error("the outline is not that of a heap: {what}")]
     NoHeap {
-        /// What is missing, in words.
+        /// Missing feature.
         what: &'static str,
     },
     /// A setting is outside its limits.
@@ -63,10 +63,10 @@ pub enum Error {
         name: &'static str,
         /// Value given, in its own unit.
         value: f64,
-        /// What is allowed, in words.
+        /// Allowed range.
         limit: &'static str,
     },
-    /// The bed fills nothing or everything of the drum, so it has no free surface.
+    /// The bed fills nothing or all of the drum, so it has no free surface.
     #[error("the bed covers {fraction:.4} of the drum, a free surface needs {least} to {most}")]
     NoSurface {
         /// Part of the drum's area inside the level contour, 1.
@@ -79,7 +79,7 @@ pub enum Error {
     /// A value of a series or field is NaN or infinite.
     #[error("{what} {index} is {value}, it must be finite")]
     NotFinite {
-        /// What the value is.
+        /// Name of the value.
         what: &'static str,
         /// Its index in the input.
         index: usize,
@@ -96,7 +96,7 @@ pub enum Error {
         /// Values given.
         values: usize,
     },
-    /// Observables of the same frames that have not the same number of values.
+    /// Observables of the same frames with different numbers of values.
     #[error("observables of the same frames need as many values each, not {first} and {other}")]
     UnequalColumns {
         /// Values of the first observable.

@@ -69,8 +69,8 @@ impl Field {
         })
     }
 
-    /// States by which Gaussian the values were smoothed, so that the free surface in them can be
-    /// freed from it; `sd` in the unit of the drum.
+    /// States the Gaussian that smoothed the values, so that the free surface can be corrected
+    /// for it; `sd` in the unit of the drum.
     ///
     /// # Errors
     /// [`Error::BadSetting`] unless `sd` is finite and not negative.
@@ -126,7 +126,7 @@ impl Field {
     }
 
     /// Share of a disc, 0 to 1, whose cells lie above a level: the cells with their centre within `reach` (0 to 1) of the
-    /// radius; 0 where there are none.
+    /// radius; 0 if there are none.
     pub fn share_above(&self, level: f64, drum: &crate::DrumCircle, reach: f64) -> f64 {
         let within = (reach * drum.radius).powi(2);
         let inside = |x: f64, y: f64| (x - drum.x).powi(2) + (y - drum.y).powi(2) <= within;

@@ -10,7 +10,7 @@ use crate::{DrumCircle, SurfacePoint};
 pub(crate) struct SurfaceFrame {
     /// The drum whose axis is the origin, unit of the caller.
     drum: DrumCircle,
-    /// Signed inclination of the line in x, y; positive when it rises to the right, rad.
+    /// Signed inclination of the line in x, y; positive if it rises to the right, rad.
     pub(crate) inclination: f64,
     /// Unit vector of u in (x, y), 1.
     along: (f64, f64),

@@ -5,13 +5,13 @@ use crate::line::Line;
 use crate::median::median;
 use crate::{Error, SurfacePoint};
 
-/// A flank is fitted between these parts of the height: the foot spreads, the apex is round.
+/// A flank is fitted between these fractions of the height: the foot spreads, the apex is round.
 const FLANK: [f64; 2] = [0.2, 0.8];
-/// The same by another choice, as good as the first; the change counts as one standard deviation.
+/// An equally good choice; the change of the angle counts as one standard deviation.
 const OTHER_FLANK: [f64; 2] = [0.25, 0.75];
 /// A flank ends where the outline first comes below this part of the height.
 const FOOT: f64 = 0.1;
-/// The apex lies in the middle of what stands above this part of the height.
+/// The apex lies in the middle of the part above this fraction of the height.
 const CROWN: f64 = 0.9;
 /// Fewest points on a flank, and on the base beside it.
 pub(crate) const FEWEST: usize = 12;
@@ -21,7 +21,7 @@ const LEAST_HEIGHT: f64 = 0.05;
 const FEET: f64 = 0.03;
 /// No point nearer to the line of the base than this part of the height is left out.
 const LEAST_CUT: f64 = 0.002;
-/// Largest median distance of the base from its line, parts of the height: more is no table.
+/// Largest median distance of the base from its line, fractions of the height: a table is smoother.
 const MOST_BASE_ROUGHNESS: f64 = 0.03;
 /// The ends of an outline are this part of its points, on either side.
 const END: f64 = 0.05;
@@ -40,28 +40,28 @@ pub struct HeapAngle {
     pub right: HeapFlank,
     /// Where the lines of the flanks meet.
     pub apex: SurfacePoint,
-    /// By how much the heap itself stays below that point, unit of the points.
+    /// Distance of the heap below that point, unit of the points.
     pub rounding: f64,
     /// Height of the outline from foot to top, unit of the points.
     pub height: f64,
-    /// Inclination of the base beside the heap, positive when it rises to the right, rad; none where the base does not show
+    /// Inclination of the base beside the heap, positive if it rises to the right, rad; `None` if the base is not visible
     /// on both sides.
     pub base: Option<f64>,
     /// Distance of the feet over that of the lines of the flanks at the same height, 1: less than 1 if the outline falls more
-    /// steeply at its feet than on its flanks, as that of a cone seen from above does. None if a foot does not show.
+    /// steeply at its feet than on its flanks, like that of a cone seen from above. `None` if a foot is not visible.
     pub feet: Option<f64>,
     /// For each point given, whether it counts.
     pub used: Vec<bool>,
 }
 
 impl HeapAngle {
-    /// Mean inclination of both flanks, rad. A base or a camera that leans adds to one flank what it takes from the other.
+    /// Mean inclination of both flanks, rad. A tilted base or camera adds to one flank as much as it subtracts from the other.
     pub fn mean(&self) -> f64 {
         0.5 * (self.left.inclination + self.right.inclination)
     }
 
-    /// Standard error of the mean inclination, rad: that of the two lines, or half of the difference of the flanks once what
-    /// the base leans is taken off, whichever is larger.
+    /// Standard error of the mean inclination, rad: that of the two lines, or half of the difference of the flanks after correction for the
+    /// tilt of the base, whichever is larger.
     ///
     /// # Formula
     /// Two values with a difference d have a mean with the standard error `|d| / 2`.
@@ -86,7 +86,7 @@ impl HeapAngle {
 ///
 /// # Errors
 /// [`Error::NotFinitePoint`], [`Error::TooFewPoints`], [`Error::NoHeap`] for an outline without
-/// height, with a flank that is missing, does not fall outwards, is a wall or ends in one, is bent like a ball or a spire, or
+/// height, with a flank that is missing, does not fall outwards, is a wall or ends in one, is curved like a ball or a spire, or
 /// is too rough to be a line.
 pub fn measure_heap(points: &[SurfacePoint]) -> Result<HeapAngle, Error> {
     measure_heap_above(points, FLANK[0])
@@ -138,7 +138,7 @@ fn check(points: &[SurfacePoint]) -> Result<(), Error> {
     Ok(())
 }
 
-/// What a heap stands on.
+/// The base of a heap.
 #[derive(Debug, Clone, Copy)]
 struct Base {
     /// Height at x = 0.
@@ -187,7 +187,7 @@ impl Base {
 struct Outline<'a> {
     /// The points.
     points: &'a [SurfacePoint],
-    /// What they stand on.
+    /// Their base.
     base: Base,
     /// Height of the top over it, unit of the points.
     height: f64,
@@ -236,7 +236,7 @@ impl<'a> Outline<'a> {
         (self.points[k].y - self.base.at(self.points[k].x)) / self.height
     }
 
-    /// The line of the base beside the feet; none where too little of it shows on a side, or it is not straight.
+    /// The line of the base beside the feet; `None` if too little of it is visible on a side, or if it is not straight.
     fn base_line(&self) -> Option<Base> {
         let [left, right] =
             [0, 1].map(|side: usize| &self.outwards[side][self.before_foot[side]..]);

@@ -1,4 +1,4 @@
-//! One flank of a heap: its line, and how it is bent.
+//! One flank of a heap: its line and its curvature.
 
 use crate::correlation::correlation_factor;
 use crate::heap::FEWEST;
@@ -15,9 +15,9 @@ const MOST_ROUGHNESS: f64 = 0.08;
 /// drum has 17.
 const MOST_ROUND: f64 = 0.23;
 /// By how much the upper half may be steeper, rad: 30 degrees. The foot of a heap of coarse or lively grains spreads, and
-/// makes its flanks hollow.
+/// makes its flanks concave.
 const MOST_HOLLOW: f64 = 0.52;
-/// Steepest flank, rad: 70 degrees. Powders that cling stand at 60; beyond is a wall.
+/// Steepest flank, rad: 70 degrees. Cohesive powders reach 60; a steeper flank is a wall.
 const STEEPEST: f64 = 1.222;
 
 /// One flank of a heap.
@@ -52,17 +52,17 @@ pub(crate) fn flank(
         return no_heap("a flank does not fall outwards");
     }
     if fall > STEEPEST {
-        return no_heap("a flank is steeper than 70 degrees, as a wall is");
+        return no_heap("a flank is steeper than 70 degrees, like a wall");
     }
     let (upper, lower) = members.split_at(members.len() / 2);
     let [top, toe] = [upper, lower].map(|half| -side * Line::through(points, half).inclination);
     if toe - top > MOST_ROUND {
         return no_heap(
-            "a flank is bent, as the outline of a ball, a drum or a heap seen from above is",
+            "a flank is curved, like the outline of a ball, a drum or a heap seen from above",
         );
     }
     if top - toe > MOST_HOLLOW {
-        return no_heap("a flank is bent, as that of a spire is");
+        return no_heap("a flank is curved, like that of a spire");
     }
     let residuals: Vec<f64> = members.iter().map(|k| line.off(&points[*k])).collect();
     let n = residuals.len() as f64;

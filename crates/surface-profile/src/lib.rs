@@ -1,8 +1,8 @@
 //! The free surface, the definition of its angle, and the uncertainty of that angle.
 //!
-//! This crate holds the one ruler of the workspace: a photo of a drum and a simulated bed are
-//! both turned into [`SurfacePoint`]s inside a [`DrumCircle`], and [`measure`] turns either
-//! into a [`SurfaceAngle`]. No other crate defines an angle of repose.
+//! This crate contains the only definition of the angle in the workspace: a photo of a drum and a
+//! simulated bed both become [`SurfacePoint`]s inside a [`DrumCircle`], and [`measure`] computes
+//! the [`SurfaceAngle`] of either. No other crate defines an angle of repose.
 //!
 //! Frame: x to the right, y up, any unit of length (metres for a simulated bed, pixels for a
 //! photo). Angles are radians. A mirrored surface gives the same angle and the other high side.
@@ -20,7 +20,7 @@
 //! # Ok::<(), surface_profile::Error>(())
 //! ```
 //!
-//! Invariants: nothing non-finite passes [`measure`] or [`free_surface`]; the crate reads no
+//! Invariants: [`measure`] and [`free_surface`] refuse values that are not finite; the crate reads no
 //! file and draws no random number.
 
 mod angle;

@@ -59,8 +59,8 @@ impl Line {
         }
     }
 
-    /// The line through those of the members that lie near it, and these: beyond four robust standard deviations, and beyond
-    /// `least` (unit of the points), a point is an outlier and left out, until none is.
+    /// The line through the members near it, and these members. A point beyond four robust standard deviations and beyond
+    /// `least` (unit of the points) is an outlier and excluded; this is repeated until no outlier is left.
     pub(crate) fn near(
         points: &[SurfacePoint],
         mut members: Vec<usize>,
@@ -86,13 +86,13 @@ impl Line {
         (p.y - self.centre.y) * cos - (p.x - self.centre.x) * sin
     }
 
-    /// Place of a point along the line.
+    /// Position of a point along the line.
     pub(crate) fn along(&self, p: &SurfacePoint) -> f64 {
         let (sin, cos) = self.inclination.sin_cos();
         (p.x - self.centre.x) * cos + (p.y - self.centre.y) * sin
     }
 
-    /// The point at a place along the line.
+    /// The point at a position along the line.
     pub(crate) fn place(&self, along: f64) -> SurfacePoint {
         let (sin, cos) = self.inclination.sin_cos();
         SurfacePoint {

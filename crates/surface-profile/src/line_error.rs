@@ -7,22 +7,22 @@ use crate::stations::Stations;
 /// Step of the heights in the derivatives, parts of the half-chord.
 const STEP: f64 = 1e-4;
 
-/// Fewest degrees of freedom that the residuals are taken to have. A smooth shape that is no
-/// cubic leaves waves that look like fewer; they are a shape, and no accident.
+/// Smallest number of degrees of freedom of the residuals. A smooth shape other than a
+/// cubic leaves waves that look like fewer; they are a shape and not random.
 const LEAST_FREEDOM: f64 = 3.0;
 
-/// Of the degrees of freedom, the part left where the correlation factor is estimated from the same
+/// Fraction of the degrees of freedom that is left if the correlation factor is estimated from the same
 /// residuals. On 3000 surfaces each with 15 and 45 independent pieces the interval of the line holds
 /// the truth in 95 % with a third; with a half in 92 and 95 %.
 pub(crate) const TAU_PART: f64 = 1.0 / 3.0;
 
-/// Roughness of a surface and what it does to the slope of the line.
+/// Roughness of a surface and its effect on the slope of the line.
 pub(crate) struct LineError {
     /// Standard error of the slope, rad.
     pub(crate) slope: f64,
     /// Root mean square residual about the cubic, unit of the caller.
     pub(crate) roughness: f64,
-    /// By what factor few independent pieces widen an interval, with the loss of the cubic, 1.
+    /// Factor by which few independent pieces and the cubic widen an interval, 1.
     pub(crate) widening: f64,
 }
 

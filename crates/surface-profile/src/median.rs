@@ -1,6 +1,6 @@
 //! The middle value.
 
-/// The middle value (upper one of an even number); 0 for none. Puts the values in another order.
+/// The median (the upper of the two middle values); 0 for no values. Reorders the values.
 pub fn median(values: &mut [f64]) -> f64 {
     let middle = values.len() / 2;
     if values.is_empty() {

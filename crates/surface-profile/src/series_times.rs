@@ -1,8 +1,8 @@
-//! What a series of angles at a known rate says of time: how long it remembers, and its avalanches.
+//! Times in a series of angles at a known rate: its correlation time, and its avalanches.
 
 use crate::correlation::{correlation, correlation_factor};
 
-/// Largest relative standard error of a correlation time that is told.
+/// Largest relative standard error of a reported correlation time.
 const MOST_RELATIVE_ERROR: f64 = 0.5;
 /// Correlation factor of a correlation time of one interval: below, the intervals are too long to tell it.
 const LEAST_FACTOR: f64 = 2.0;
@@ -34,8 +34,8 @@ pub struct Avalanches {
     pub waiting_times: Vec<f64>,
 }
 
-/// The time over which a series at equal intervals is correlated with itself; none where it is shorter than an interval, or
-/// where the series is too short to tell it to a half.
+/// Autocorrelation time of a series at equal intervals; `None` if it is shorter than an interval, or
+/// if the series is too short to determine it to a half.
 ///
 /// # Formula
 ///
@@ -60,8 +60,8 @@ pub fn correlation_time(values: &[f64], interval: f64) -> Option<CorrelationTime
     })
 }
 
-/// The avalanches in a series of angles at equal intervals; none where it holds fewer than three, or where it moves up and down
-/// alike, as the angle of a bed does over which a layer flows all the time.
+/// The avalanches in a series of angles at equal intervals; `None` if there are fewer than three, or if the angle rises and falls
+/// alike, as in a bed with a continuously flowing layer.
 ///
 /// # Formula
 ///
@@ -69,7 +69,7 @@ pub fn correlation_time(values: &[f64], interval: f64) -> Option<CorrelationTime
 /// steps from value to value must lie below `-3 sqrt(6 tau / n)`, n their number and tau their correlation factor: the
 /// skewness of a process that looks alike forwards and backwards in time is 0, and `sqrt(6 / n)` is its standard error over
 /// independent normal values. Turning points are those between which the angle changes by at least one standard deviation of
-/// the series. An avalanche is a fall between two of them; a fall that began before the series or goes on behind it does not
+/// the series. An avalanche is a fall between two of them; a fall that began before the series or continues after it does not
 /// count. The size is too small by about the rise of one interval.
 ///
 /// # Source
@@ -112,7 +112,7 @@ pub fn longest_unbroken(values: &[Option<f64>]) -> Vec<f64> {
     longest.iter().copied().flatten().collect()
 }
 
-/// Values less their mean; none where one is not finite, or of fewer than four.
+/// Values minus their mean; `None` if one is not finite, or if there are fewer than four.
 fn about_mean(values: &[f64]) -> Option<Vec<f64>> {
     let n = values.len();
     let mean = values.iter().sum::<f64>() / n as f64;

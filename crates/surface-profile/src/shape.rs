@@ -9,7 +9,7 @@ const SHAPES: usize = 6;
 /// more than a fifth of the half-chord say nothing of it.
 const LEAST_REACH: f64 = 0.8;
 
-/// Coefficients of the degrees 2 to 5 of a surface; none where its stations do not reach far enough on both sides.
+/// Coefficients of the degrees 2 to 5 of a surface; `None` if its stations do not reach far enough on both sides.
 ///
 /// # Formula
 ///

@@ -12,7 +12,7 @@ const STEP: f64 = PI / 720.0;
 /// the counter-clockwise end.
 ///
 /// From the direction of the centroid of all cells above the level, the ring at 0.92 of the radius is followed either way
-/// to the first place where the field falls below the level. None where the bed does not lie on the ring there, or where
+/// to the first place where the field falls below the level. `None` if the bed does not lie on the ring there, or if
 /// it fills the ring.
 pub fn shell_ends(field: &Field, level: f64, drum: &DrumCircle) -> Option<[f64; 2]> {
     let (mut x, mut y) = (0.0, 0.0);

@@ -31,7 +31,7 @@ pub fn canonical_json(value: &Value) -> Result<String, Error> {
 /// Gives the SHA-256, in lower-case hexadecimal, of a JSON value: of its text with sorted map keys and without white
 /// space.
 ///
-/// Other than in a key, nulls are contents like others, and numbers are told apart as far as a file does: 1 is not 1.0
+/// Unlike in a key, null is a value like others, and numbers differ if their text in a file differs: 1 is not 1.0
 /// and minus zero is not zero.
 ///
 /// # Errors
@@ -58,7 +58,7 @@ pub fn run_key(version: &str, inputs: &Value, seed: u64) -> Result<String, Error
     Ok(hexadecimal(text.as_bytes()))
 }
 
-/// What a canonical text is for.
+/// Use of a canonical text.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Form {
     /// A key: equal numbers are equal texts, and null is refused.
@@ -185,7 +185,7 @@ mod tests {
         );
     }
 
-    /// Null is a content like others, and numbers that a file tells apart have different digests. The digest was
+    /// Null is a value like others, and numbers that differ in a file have different digests. The digest was
     /// computed independently, of `{"a":[null,1,1.0,-0.0],"b":"x"}` with the `sha256sum` command.
     #[test]
     fn digest_is_the_sha_256_of_exactly_what_a_file_holds() {

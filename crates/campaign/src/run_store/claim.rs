@@ -32,7 +32,7 @@ const LATE_ATTEMPTS: usize = 20;
 /// Pause between two of them.
 const LATE_PAUSE: Duration = Duration::from_millis(5);
 
-/// What came of trying to claim a run.
+/// Result of trying to claim a run.
 #[derive(Debug)]
 pub enum Attempt {
     /// The run is ours to do.
@@ -46,9 +46,9 @@ pub enum Attempt {
 /// Who holds a claim, as far as it tells.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Holder {
-    /// Host and number of the process; none where the claim does not tell.
+    /// Host and number of the process; `None` if the claim does not contain them.
     process: Option<(String, u32)>,
-    /// What it works on, and for how long; none where the claim does not tell.
+    /// Its work, and for how long; `None` if the claim does not contain it.
     work: Option<(String, Duration)>,
 }
 
@@ -73,7 +73,7 @@ impl fmt::Display for Holder {
     }
 }
 
-/// What a claim file holds.
+/// Content of a claim file.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Owner {
     /// Name of the host.
@@ -86,12 +86,12 @@ struct Owner {
     token: String,
     /// Time without renewal after which it is dead, s.
     life_s: f64,
-    /// What it works on; none of a single run of a list.
+    /// Its work; `None` for a single run of a list.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     work: Option<Work>,
 }
 
-/// What the owner of a claim works on.
+/// Work of the owner of a claim.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Work {
     /// Digest of the work.
@@ -100,7 +100,7 @@ struct Work {
     since_s: u64,
 }
 
-/// What a claim says of some work: a digest, since the text of the work grows with its inputs and a claim is read up to a limit.
+/// Digest that represents some work in a claim: the text of the work grows with its inputs, and a claim is read up to a limit.
 fn name_of_work(work: &str) -> String {
     hexadecimal(work.as_bytes())
 }
@@ -349,8 +349,8 @@ impl Folder {
         Ok(buried)
     }
 
-    /// Makes a claim where there is none: written aside, then linked to its name, which fails if there is one. None
-    /// when another was faster, or must be tried again.
+    /// Makes a claim: written aside, then linked to its name, which fails if there is one. `None`
+    /// if another process was faster, or if it must be tried again.
     fn make_claim(
         self: &Arc<Self>,
         key: &str,
@@ -419,7 +419,7 @@ fn write_new(disk: &Disk, path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     written
 }
 
-/// Looks at a claim file; none where there is none.
+/// Reads a claim file; `None` if there is none.
 fn look(disk: &Disk, path: &Path) -> Result<Option<Seen>, Error> {
     let mut file = match open_plain(path, OpenOptions::new().read(true)) {
         Ok(file) => file,

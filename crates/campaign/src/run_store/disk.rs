@@ -5,22 +5,22 @@ use std::io::{Error, ErrorKind, Read as _, Result, Write as _};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What goes wrong with an operation.
+/// Fault of an operation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
     /// It fails once; the next one is sound again.
     Fails,
-    /// The disk is full from there on: what is written is cut in half, and nothing new can be made; reading, renaming and
-    /// removing go on.
+    /// The disk is full from there on: written files are cut in half, and no file can be made; reading, renaming and
+    /// removing still work.
     Fills,
     /// The power is lost: what is written is cut in half, and nothing is done from there on.
     Tears,
 }
 
-/// A disk; a sound one where no fault is asked for.
+/// A disk; without faults by default.
 #[derive(Debug, Default)]
 pub struct Disk {
-    /// What goes wrong, and with which operation, from 0.
+    /// The fault, and the number of its operation, from 0.
     fault: Option<(Fault, u64)>,
     /// Operations so far.
     done: AtomicU64,

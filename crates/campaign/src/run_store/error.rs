@@ -1,4 +1,4 @@
-//! What can go wrong in a store.
+//! Errors of a store.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 pub enum Error {
     /// The inputs hold a null: a non-finite number became one, or a value is missing.
     #[error(
-        "inputs hold null at {place}: NaN and infinity cannot be kept; give a finite number or leave the key out"
+        "inputs hold null at {place}: NaN and infinity cannot be stored; give a finite number or omit the key"
     )]
     NullInput {
         /// Path inside the inputs, such as `inputs.condition.rpm`.
@@ -26,9 +26,9 @@ pub enum Error {
         value: f64,
     },
     /// The key is not 64 hexadecimal digits in lower case.
-    #[error("'{key}' is no key: a key is 64 hexadecimal digits in lower case")]
+    #[error("'{key}' is not a key: a key has 64 hexadecimal digits in lower case")]
     BadKey {
-        /// What was given.
+        /// The given text.
         key: String,
     },
     /// A file in the folder of the store that no store wrote.
@@ -48,7 +48,7 @@ pub enum Error {
     /// The operating system refused.
     #[error("cannot {action} {}{}", path.display(), way_out(source))]
     Io {
-        /// What was tried.
+        /// The attempted operation.
         action: &'static str,
         /// On which file or folder.
         path: PathBuf,
@@ -57,11 +57,11 @@ pub enum Error {
     },
 }
 
-/// What a user can do about a refusal of the operating system, as the rest of a sentence.
+/// Remedy for a refusal of the operating system, as the end of a sentence.
 fn way_out(why: &std::io::Error) -> &'static str {
     match why.kind() {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
-            "; make room there or take another folder, then go on: what is finished is kept"
+            "; make room there or use another folder, then start again: finished runs are kept"
         }
         ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
             "; allow to write there or take another folder"

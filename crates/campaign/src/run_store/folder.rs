@@ -30,7 +30,7 @@ pub(crate) struct Folder {
     pub(crate) path: PathBuf,
     /// This machine.
     pub(crate) machine: Machine,
-    /// What its files are written with.
+    /// The disk that writes its files.
     pub(crate) disk: Disk,
     /// Notes on failed runs that are no news, by key: the time of those met at the opening, and of own ones.
     pub(crate) failures: Mutex<BTreeMap<String, Duration>>,
@@ -158,7 +158,7 @@ impl Folder {
     }
 }
 
-/// What came of trying to lock a file.
+/// Result of trying to lock a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Lock {
     /// It is ours until the file is closed.
@@ -194,7 +194,7 @@ pub(crate) fn open_plain(path: &Path, options: &OpenOptions) -> std::io::Result<
     }
     Err(std::io::Error::new(
         ErrorKind::InvalidInput,
-        "it is no plain file",
+        "it is not a plain file",
     ))
 }
 
@@ -208,7 +208,7 @@ fn without_links(options: &mut OpenOptions) {
     options.custom_flags(i32::try_from(flags.bits()).unwrap_or(0));
 }
 
-/// This system has no such flags; the check after the opening stands for them.
+/// This system has no such flags; the check after the opening replaces them.
 #[cfg(not(unix))]
 fn without_links(_options: &mut OpenOptions) {}
 
@@ -228,8 +228,8 @@ mod tests {
         file
     }
 
-    /// What a writer on this machine left goes when it lives no more or has no lock; what another machine left, or
-    /// nobody knows who, goes after a day.
+    /// Files left by a writer on this machine are removed once it has ended or has no lock; files of another machine or of
+    /// an unknown writer are removed after a day.
     #[test]
     fn opening_sweeps_what_dead_writers_left_and_nothing_else() {
         let place = tempfile::tempdir().unwrap();

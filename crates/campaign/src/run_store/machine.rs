@@ -10,7 +10,7 @@ const LONGEST_NAME: usize = 48;
 pub(crate) struct Machine {
     /// Name of the host.
     pub(crate) host: String,
-    /// Stands for the space in which numbers of processes mean something: one start of one system, and within it one
+    /// Identifies the space in which process numbers are unique: one start of one system, and within it one
     /// container. Two machines of the same name, or one before and after a restart, differ in it.
     pub(crate) process_space: String,
 }

@@ -102,7 +102,7 @@ pub(crate) fn writer_of(path: &Path) -> Option<(&str, u32)> {
     Some((parts.next()?, process))
 }
 
-/// Whether a file is no record and belongs here all the same: hidden, or set aside.
+/// Whether a file other than a record belongs here: hidden, or set aside.
 pub(crate) fn is_beside_records(path: &Path) -> bool {
     let Some(name) = path.file_name() else {
         return false;
@@ -126,7 +126,7 @@ mod tests {
     use super::{failed_key_of, failure, record, writer_of};
     use std::path::Path;
 
-    /// Each kind of name is told from the others, whatever stands before its ending.
+    /// Each kind of name is distinguished from the others, for any text before its ending.
     #[test]
     fn names_are_read_back_as_what_they_were_made_for() {
         let folder = Path::new("runs");

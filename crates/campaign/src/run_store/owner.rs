@@ -12,7 +12,7 @@ use crate::run_store::{Attempt, CLAIM_LIFE, Claim, Error, Holder, Store};
 /// How often a claim is renewed in its life.
 const RENEWALS: u32 = 6;
 
-/// What stands for the folder itself among the claims.
+/// Name of the folder itself among the claims.
 const FOLDER: &[u8] = b"the folder of the store";
 
 /// The key under which the folder itself is claimed.
@@ -20,7 +20,7 @@ pub(crate) fn folder_key() -> String {
     hexadecimal(FOLDER)
 }
 
-/// What came of asking for a folder, or for one run in it, for longer.
+/// Result of a request for a folder, or for one run in it, for longer.
 #[derive(Debug)]
 pub enum Entry {
     /// It is ours until the keeper is dropped; in a store in memory, or where the file system takes no claims, it always is.
@@ -58,7 +58,7 @@ impl Store {
     ///
     /// # Errors
     ///
-    /// [`Error::BadKey`] when this is no key; [`Error::Io`] when the folder cannot be read.
+    /// [`Error::BadKey`] if this is not a key; [`Error::Io`] when the folder cannot be read.
     pub fn keep_run(&self, key: &str) -> Result<Entry, Error> {
         self.ask(key, key, false)
     }

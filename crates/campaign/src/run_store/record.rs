@@ -1,4 +1,4 @@
-//! What is kept of a finished run.
+//! Record of a finished run.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -12,7 +12,7 @@ use crate::run_store::{Error, SCHEMA, run_key};
 pub struct Observation {
     /// Mean, in `unit`.
     pub mean: f64,
-    /// Standard deviation of one of the n values, in `unit`; none where n is 1.
+    /// Standard deviation of one of the n values, in `unit`; `None` if n is 1.
     pub sd: Option<f64>,
     /// Number of values in the mean.
     pub n: usize,
@@ -48,9 +48,9 @@ pub struct Record {
     pub(crate) inputs: Value,
     /// Results by name.
     pub(crate) observables: BTreeMap<String, Observation>,
-    /// How the run ended up, a class that a smooth surface must not mix; none where it has none.
+    /// Class of the run, which a smooth surface must not mix; `None` if it has none.
     pub(crate) regime: Option<String>,
-    /// What else is worth keeping (timing, series); not part of the key, null when empty.
+    /// Further data (timing, series); not part of the key, null if empty.
     pub(crate) details: Value,
 }
 
@@ -144,13 +144,13 @@ impl Record {
         self.observables.get(name)
     }
 
-    /// How the run ended up, such as `rolling`: a class, and a smooth surface must not mix runs of
-    /// different classes. None where the simulator tells no classes apart.
+    /// Class of the run, such as `rolling`: a smooth surface must not mix runs of
+    /// different classes. `None` if the simulator has no classes.
     pub fn regime(&self) -> Option<&str> {
         self.regime.as_deref()
     }
 
-    /// What else was kept (timing, series); null when nothing was.
+    /// Further data (timing, series); null if there are none.
     pub fn details(&self) -> &Value {
         &self.details
     }

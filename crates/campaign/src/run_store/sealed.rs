@@ -60,7 +60,7 @@ pub fn seal_without(
 ///
 /// # Errors
 ///
-/// What is wrong with the bytes, as the rest of a sentence about the file: no JSON, no digest, or altered.
+/// The fault of the bytes, as the end of a sentence about the file: no JSON, no digest, or altered.
 pub fn unseal(bytes: &[u8]) -> Result<Value, String> {
     let mut value: Value = serde_json::from_slice(bytes).map_err(|why| why.to_string())?;
     let Some(fields) = value.as_object_mut() else {
@@ -77,7 +77,7 @@ pub fn unseal(bytes: &[u8]) -> Result<Value, String> {
     Ok(value)
 }
 
-/// What a digest counts: the content without some fields, and with the list of these where there are any.
+/// Content of a digest: the value without some fields, and with their list if there are any.
 fn counted(content: &Value, uncounted: &[&str]) -> Value {
     let mut value = content.clone();
     for pointer in uncounted {
@@ -127,7 +127,7 @@ pub fn seal_text(owner: &str, json: &[u8]) -> Vec<u8> {
 ///
 /// # Errors
 ///
-/// What is wrong with the bytes, as the rest of a sentence about the file: no such file, or altered, or of another owner.
+/// The fault of the bytes, as the end of a sentence about the file: no such file, or altered, or of another owner.
 pub fn unseal_text<'b>(owner: &str, bytes: &'b [u8]) -> Result<&'b [u8], String> {
     let length = head("").len() + DIGITS;
     let inner = bytes.split_at_checked(length).and_then(|(start, rest)| {

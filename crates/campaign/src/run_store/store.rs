@@ -31,7 +31,7 @@ enum Place {
     Memory(Arc<Mutex<BTreeMap<String, Record>>>),
 }
 
-/// What a store has under a key.
+/// Content of a store under a key.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Lookup {
     /// The record of the run.
@@ -43,7 +43,7 @@ pub enum Lookup {
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Its fault.
         reason: String,
     },
 }
@@ -105,7 +105,7 @@ impl Store {
     ///
     /// # Errors
     ///
-    /// [`Error::BadKey`] when this is no key; [`Error::Io`] when the system cannot read what is there.
+    /// [`Error::BadKey`] if this is not a key; [`Error::Io`] when the system cannot read what is there.
     pub fn get(&self, key: &str) -> Result<Lookup, Error> {
         check_key(key)?;
         let folder = match &self.place {
@@ -124,7 +124,7 @@ impl Store {
         let bytes = loop {
             match read(&folder.disk, &path) {
                 Ok(Some(bytes)) => break bytes,
-                Ok(None) => return Ok(damaged("it is no file".to_owned())),
+                Ok(None) => return Ok(damaged("it is not a file".to_owned())),
                 Err(why) if path.is_symlink() => return Ok(damaged(why.to_string())),
                 Err(why) if why.kind() == ErrorKind::NotFound => return Ok(Lookup::Absent),
                 Err(why)
@@ -182,7 +182,7 @@ impl Store {
     ///
     /// # Errors
     ///
-    /// [`Error::BadKey`] when this is no key; [`Error::Io`] when the folder takes no claims.
+    /// [`Error::BadKey`] if this is not a key; [`Error::Io`] when the folder takes no claims.
     pub fn claim(&self, key: &str, life: Duration) -> Result<Attempt, Error> {
         check_key(key)?;
         match &self.place {
@@ -245,7 +245,7 @@ fn check_key(key: &str) -> Result<(), Error> {
     })
 }
 
-/// Reads a file; none where the path is something else.
+/// Reads a file; `None` if the path is something else.
 fn read(disk: &Disk, path: &Path) -> std::io::Result<Option<Vec<u8>>> {
     if std::fs::metadata(path)?.is_file() {
         let mut file = std::fs::File::open(path)?;

@@ -9,7 +9,7 @@ use std::path::Path;
 ///
 /// # Errors
 ///
-/// A folder that is missing or full, something else that stands under the name; the file of before stays, and nothing beside it.
+/// A folder that is missing or full, or another kind of file with this name; the previous file stays, and no other remains.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     write(path, bytes, File::sync_all)?;
     // The name is safe once the folder is on the disk; some systems cannot force a folder.
@@ -19,7 +19,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     Ok(())
 }
 
-/// As [`write_whole`], but not forced to the disk: for what is written anew soon.
+/// As [`write_whole`], but not forced to the disk: for a file that is soon rewritten.
 ///
 /// # Errors
 ///
@@ -62,7 +62,7 @@ mod tests {
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
-    /// A folder with content stands under the name: the rename is refused at the last step.
+    /// A folder with content has the name: the rename is refused at the last step.
     #[test]
     fn a_write_that_fails_leaves_no_piece_behind() {
         let folder = tempfile::tempdir().unwrap();

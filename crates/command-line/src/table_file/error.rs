@@ -14,7 +14,7 @@ pub enum Error {
         /// Why.
         source: std::io::Error,
     },
-    /// The text is no table.
+    /// The text is not a table.
     #[error("{}: {source}", path.display())]
     Table {
         /// The file.
@@ -27,7 +27,7 @@ pub enum Error {
     Workbook {
         /// The file.
         path: PathBuf,
-        /// Why, and the way out.
+        /// The reason and the remedy.
         what: String,
     },
 }

@@ -11,7 +11,7 @@ const MOST_UNPACKED: u64 = 1 << 28;
 /// the reader would take memory before it has seen one.
 pub(crate) fn check(bytes: &[u8]) -> Result<(), String> {
     let damaged = |why: &dyn std::fmt::Display| {
-        format!("the workbook is damaged ({why}); take a whole copy, or save it again")
+        format!("the workbook is damaged ({why}); copy it again, or save it again")
     };
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(&error))?;
     let mut left = MOST_UNPACKED;
@@ -21,7 +21,7 @@ pub(crate) fn check(bytes: &[u8]) -> Result<(), String> {
         let unpacked =
             copy(&mut file.take(left + 1), &mut announced).map_err(|error| damaged(&error))?;
         left = left.checked_sub(unpacked).ok_or_else(|| {
-            format!("unpacked it has more than {MOST_UNPACKED} bytes; at most so many are read")
+            format!("unpacked it has more than {MOST_UNPACKED} bytes, the most that are read")
         })?;
         if announced.most > unpacked {
             return Err(damaged(&format_args!(

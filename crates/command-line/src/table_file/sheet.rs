@@ -1,7 +1,7 @@
 //! The cells of a sheet as a table.
 //!
 //! The first row with cells holds the column names. Empty rows and rows whose first cell begins with `#` are skipped, as in
-//! CSV text. Cells are told apart by their content, never by their look: a number keeps all its digits, a date is text.
+//! CSV text. The type of a cell follows its content, never its format: a number keeps all its digits, a date is text.
 
 use crate::table_file::workbook::Workbook;
 use calamine::{DataRef, Dimensions, ExcelDateTime};
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 /// Most cells of a table, empty ones included (our choice): 4 bytes each. A few bytes of a file can claim more.
 const MOST_CELLS: usize = 50_000_000;
 
-/// What the cells that hold something may take together.
+/// Remaining memory for all cells that are not empty.
 #[derive(Debug)]
 pub(crate) struct Room {
     /// Number of cells.

@@ -13,9 +13,7 @@ pub(crate) type Workbook<'a> = Xlsx<Cursor<&'a [u8]>>;
 pub(crate) fn table(bytes: &[u8], file: &Path, named: Option<&str>) -> Result<Table, String> {
     inflated::check(bytes)?;
     let mut workbook: Workbook<'_> = Xlsx::new(Cursor::new(bytes)).map_err(|error| {
-        format!(
-            "it is an archive, but no Excel workbook that can be read ({error}); save it as .xlsx"
-        )
+        format!("it is an archive, but not a readable Excel workbook ({error}); save it as .xlsx")
     })?;
     let sheets = workbook.sheets_metadata().iter();
     let sheets = sheets.filter(|sheet| sheet.typ == SheetType::WorkSheet);

@@ -9,7 +9,7 @@ use std::path::Path;
 /// The bytes of a table for a file of this name: an Excel workbook where it ends in `.xlsx`, otherwise the CSV text as it is.
 ///
 /// # Errors
-/// A text that is no table, or a table larger than a sheet; another ending of a workbook.
+/// A text that is not a table, a table larger than a sheet, or another extension of a workbook.
 pub fn bytes_for(path: &Path, csv: &str) -> Result<Vec<u8>, Error> {
     if !is_workbook_name(path) {
         return Ok(csv.as_bytes().to_vec());
@@ -21,7 +21,7 @@ pub fn bytes_for(path: &Path, csv: &str) -> Result<Vec<u8>, Error> {
     let ending = path.extension().unwrap_or_default();
     if !ending.eq_ignore_ascii_case("xlsx") {
         return Err(refused(
-            "workbooks are written as .xlsx; give a name that ends so".to_owned(),
+            "workbooks are written as .xlsx; give a name with this extension".to_owned(),
         ));
     }
     let table = Table::parse(csv).map_err(|source| Error::Table {
@@ -30,7 +30,7 @@ pub fn bytes_for(path: &Path, csv: &str) -> Result<Vec<u8>, Error> {
     })?;
     workbook(&table).map_err(|error| {
         refused(format!(
-            "the table has no form as a workbook ({error}); write it as .csv"
+            "the table cannot be written as a workbook ({error}); write it as .csv"
         ))
     })
 }
@@ -61,7 +61,7 @@ fn workbook(table: &Table) -> Result<Vec<u8>, XlsxError> {
     workbook.save_to_buffer()
 }
 
-/// The number that a text stands for and would be written as again; none for 007 or a digit more than a number holds.
+/// The number of a text that is written back as the same text; `None` for 007 or for more digits than a number holds.
 fn number(text: &str) -> Option<f64> {
     let number: f64 = text
         .parse()

@@ -1,4 +1,4 @@
-//! What an optimal design makes small, and its value for given runs.
+//! Criterion that an optimal design minimises, and its value for given runs.
 
 use probability::random_stream::Stream;
 
@@ -9,7 +9,7 @@ const RIDGE: f64 = 1e-8;
 /// Points of a region at which the moments of the model are taken, unless it is the whole box.
 const POINTS: usize = 4096;
 
-/// What an optimal design makes small.
+/// Criterion that an optimal design minimises.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Criterion {
     /// Determinant of (X'X)^-1: the volume of the confidence region of the coefficients (D).

@@ -1,4 +1,4 @@
-//! What spreadsheets make of a table: bytes in several encodings, separators, decimal commas, cells that run.
+//! Variants of tables from spreadsheets: encodings, separators, decimal commas, cells that run as formulas.
 
 /// The text of a file: UTF-8, UTF-16 with its byte order mark, or else Latin-1 (ISO 8859-1), which every sequence of bytes
 /// is.
@@ -22,7 +22,7 @@ pub fn text_of_bytes(bytes: Vec<u8>) -> String {
     }
 }
 
-/// The separator that a header line speaks for: a semicolon or a tab outside quotes, otherwise a comma.
+/// The separator of a header line: a semicolon or a tab outside quotes, otherwise a comma.
 pub(super) fn separator(header: &str) -> char {
     let mut quoted = false;
     let outside = |c: &char| {
@@ -116,7 +116,7 @@ mod tests {
         }
     }
 
-    /// Commas that are no decimal commas stay what they are: beside points they may part thousands, and nobody can tell.
+    /// Other commas than decimal commas are kept: beside points they may separate thousands, which is ambiguous.
     #[test]
     fn ambiguous_commas_are_refused() {
         let table = Table::parse("a;b\n1,234;0.5\n").unwrap();
@@ -128,7 +128,7 @@ mod tests {
         assert_eq!(table.rows()[0].text(1), "x; y, 2");
     }
 
-    /// A picture or another file of bytes is told as such, and not by the first quote that stands in it.
+    /// A picture or another binary file is reported as binary, and not by the first quote in it.
     #[test]
     fn a_file_that_is_no_text_is_refused_as_such() {
         let picture = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\"";

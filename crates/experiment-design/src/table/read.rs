@@ -15,16 +15,16 @@ pub struct Table {
     header: Vec<String>,
     /// Rows, each with as many fields as the header.
     rows: Vec<Row>,
-    /// The sheet of a workbook that the table stands in; none for text.
+    /// The sheet of a workbook with the table; `None` for text.
     sheet: Option<Sheet>,
 }
 
-/// Where in a workbook a table stands.
+/// Place of a table in a workbook.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Sheet {
     /// Name of the sheet.
     name: String,
-    /// Column of the sheet in which the first column of the table stands, from 0.
+    /// Column of the sheet that holds the first column of the table, from 0.
     first_column: usize,
 }
 
@@ -60,7 +60,7 @@ impl Row {
         self.ends.len()
     }
 
-    /// A field as it stands; empty beyond the last.
+    /// An unchanged field; empty beyond the last.
     fn field(&self, column: usize) -> &str {
         let end = |i: usize| self.ends.get(i).map(|end| *end as usize);
         let start = column.checked_sub(1).map_or(Some(0), end);
@@ -228,7 +228,7 @@ impl Table {
         Ok(())
     }
 
-    /// Where a field stands, in words: its line and column, or its sheet and cell.
+    /// Place of a field, as text: its line and column, or its sheet and cell.
     pub fn place(&self, row: &Row, column: usize) -> String {
         format!(
             "{}, {}",
@@ -237,7 +237,7 @@ impl Table {
         )
     }
 
-    /// Where a row stands, in words.
+    /// Place of a row, as text.
     pub fn place_of_row(&self, row: &Row) -> String {
         match &self.sheet {
             None => format!("line {}", row.line),
@@ -488,7 +488,7 @@ mod tests {
         ));
     }
 
-    /// The numbers of the rows that pandas writes before a table are no column of it, whatever the order of the rows and the
+    /// The row numbers that pandas writes before a table are not read as a column, whatever the order of the rows and the
     /// name that it gives them when it reads its own file; other numbers without a name stay.
     #[test]
     fn a_first_column_that_counts_the_rows_is_left_out() {
@@ -513,7 +513,7 @@ mod tests {
         }
     }
 
-    /// A mean below the runs is no run, also where it is one number more in the column of the response.
+    /// A mean below the runs is not read as a run, even if it is one more number in the column of the response.
     #[test]
     fn a_row_of_totals_is_refused_with_its_place() {
         for (text, place) in [

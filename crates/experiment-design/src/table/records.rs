@@ -5,7 +5,7 @@ pub(super) const MOST_FIELDS: usize = 16_384;
 
 /// A text that is read record by record.
 pub(super) struct Records<'a> {
-    /// What is left of it.
+    /// The remaining text.
     rest: &'a str,
     /// The character that ends a line; a carriage return before a line feed belongs to it.
     end: char,
@@ -103,7 +103,7 @@ mod tests {
         found
     }
 
-    /// RFC 4180: a remark of two lines, a doubled quote, a separator in quotes; and an inch mark, which is no quote. Ends of lines
+    /// RFC 4180: a remark of two lines, a doubled quote, a separator in quotes; and an inch mark, which is not a quote. Ends of lines
     /// of all three kinds.
     #[test]
     fn quotes_hold_separators_and_ends_of_lines() {

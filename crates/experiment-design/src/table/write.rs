@@ -58,7 +58,7 @@ fn rounded(value: f64) -> f64 {
     }
 }
 
-/// A field as it stands in CSV text: in quotes if it needs them; line breaks become spaces, and text that a spreadsheet
+/// A field in CSV text: in quotes if it needs them; line breaks become spaces, and text that a spreadsheet
 /// would run as a formula gets an apostrophe before it.
 pub fn csv_field(field: &str) -> String {
     let field = dialect::harmless(field.replace(['\n', '\r'], " "));

@@ -17,7 +17,11 @@ fn the_nearer_triangle_is_seen_with_its_own_light() {
         picture.get_pixel(32, 32).0
     };
     let upper = middle(&[tilted]);
-    assert_ne!(upper, middle(&[level]), "the case is no case");
+    assert_ne!(
+        upper,
+        middle(&[level]),
+        "both levels agree: the test checks nothing"
+    );
     assert_eq!(middle(&[level, tilted]), upper);
     assert_eq!(middle(&[tilted, level]), upper);
 }

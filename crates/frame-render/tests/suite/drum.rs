@@ -1,4 +1,4 @@
-//! What a drum picture must show, checked through the public interface.
+//! Tests of drum pictures through the public interface.
 
 use frame_render::{
     BACKGROUND_COLOUR, DrumView, Error, OUTSIDE_COLOUR, PixelPoint, RenderSphere, draw_segments,

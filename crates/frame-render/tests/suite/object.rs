@@ -1,4 +1,4 @@
-//! What a picture of one particle must show, checked through the public interface.
+//! Tests of pictures of one particle through the public interface.
 
 use frame_render::{Error, ObjectView, RenderSphere, render_object};
 use image::RgbImage;

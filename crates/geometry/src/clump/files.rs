@@ -84,7 +84,7 @@ impl Format {
         }
     }
 
-    /// Format that an extension (in lower case, without the dot) names plainly.
+    /// Format of an extension (in lower case, without the dot).
     pub fn of_extension(extension: &str) -> Option<Self> {
         match extension {
             "csv" => Some(Self::Csv),
@@ -97,7 +97,7 @@ impl Format {
     }
 }
 
-/// A body of spheres and the rigid body that it stands for.
+/// A body of spheres and the rigid body that it represents.
 #[derive(Debug, Clone, Copy)]
 pub struct Body<'a> {
     /// Spheres in the frame of the mesh, m.
@@ -112,7 +112,7 @@ pub struct Body<'a> {
     pub centroid: Vector3<f64>,
     /// Inertia tensor about the centroid at unit density, m⁵.
     pub inertia: Matrix3<f64>,
-    /// Mass, kg, where it is known.
+    /// Mass, kg, if known.
     pub mass: Option<f64>,
 }
 

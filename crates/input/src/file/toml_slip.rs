@@ -1,9 +1,9 @@
-//! What a person probably meant by a line that is no TOML.
+//! Probable intention behind a line that is not valid TOML.
 
-/// The way out of the usual slips of a line that a parser refused: a decimal comma, a point without a digit before it, a
-/// value with its unit or a word without quotes. None where the line shows no such slip.
+/// Remedy for a common mistake in a line that a parser refused: a decimal comma, a point without a digit before it, or a
+/// value with its unit or a word without quotes. `None` if the line has no such mistake.
 ///
-/// Only a line that was refused may be asked for: `[1,5]` is two numbers where it is valid.
+/// Call it only with a refused line: in a valid line, `[1,5]` is two numbers.
 pub fn toml_slip(line: &str) -> Option<String> {
     let code = without_text(line);
     let letters: Vec<char> = code.chars().collect();
@@ -42,13 +42,13 @@ fn without_text(line: &str) -> String {
     code
 }
 
-/// What stands behind each `=`, up to the next separator.
+/// The text after each `=`, up to the next separator.
 fn values(code: &str) -> impl Iterator<Item = &str> {
     let behind = code.split('=').skip(1);
     behind.filter_map(|rest| rest.split([',', '}', ']', '[', '{']).next().map(str::trim))
 }
 
-/// What is wrong with a value that stands there without quotes.
+/// The mistake in a value without quotes.
 fn bare(value: &str) -> Option<String> {
     // A quote that was not opened stands at the end.
     let value = value.trim_end_matches(['"', '\'']);
@@ -62,7 +62,7 @@ fn bare(value: &str) -> Option<String> {
 mod tests {
     use super::toml_slip;
 
-    /// Each slip is told with what to write; what stands in quotes or in a comment is no slip.
+    /// Each mistake is reported with its correction; text in quotes or in a comment is never a mistake.
     #[test]
     fn the_usual_slips_have_a_way_out() {
         for (line, words) in [

@@ -9,7 +9,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use crate::quantity::error::Error;
 use crate::quantity::unit::{Kind, find};
 
-/// What a kind of quantity can be below zero.
+/// Whether a kind of quantity can be negative.
 #[derive(Clone, Copy)]
 enum Sign {
     /// Any finite value: coordinates, turning directions, suction.
@@ -22,7 +22,7 @@ enum Sign {
 
 /// Splits text into its leading decimal number and the rest, which is trimmed.
 ///
-/// The words for infinity and not-a-number, which Rust would read, are no numbers here.
+/// The words for infinity and not-a-number, which Rust would read, are refused.
 fn split_number(text: &str) -> (&str, &str) {
     let bytes = text.as_bytes();
     let digits_from = |start: usize| {
@@ -80,7 +80,7 @@ fn parse_si(text: &str, expected: Kind) -> Result<f64, Error> {
     Ok(unit.to_si(number))
 }
 
-/// Checks that an SI value is finite and has a sign that it can have.
+/// Checks that an SI value is finite and has a possible sign.
 fn check(value: f64, kind: Kind, what: &'static str, sign: Sign) -> Result<f64, Error> {
     if !value.is_finite() {
         return Err(Error::NotFinite { what, value });
@@ -149,7 +149,7 @@ macro_rules! quantity {
             /// Makes the quantity from a number of SI units (radians for angles).
             ///
             /// # Errors
-            /// A value that is not finite or has a sign that it cannot have.
+            /// A value that is not finite or has an impossible sign.
             pub fn from_si(value: f64) -> Result<Self, Error> {
                 check(value, Self::KIND, $what, $sign).map(Self)
             }
@@ -158,7 +158,7 @@ macro_rules! quantity {
             ///
             /// # Errors
             /// No number, no unit, an unknown unit, a unit of another kind, a value that is
-            /// not finite or has a sign that it cannot have.
+            /// not finite or has an impossible sign.
             pub fn parse(text: &str) -> Result<Self, Error> {
                 Self::from_si(parse_si(text, Self::KIND)?)
             }

@@ -1,4 +1,4 @@
-//! What can be wrong with a value, and the way out.
+//! Errors of a value, with the remedy.
 
 use crate::quantity::unit::Kind;
 
@@ -18,7 +18,7 @@ pub enum Error {
         expected: Kind,
     },
 
-    /// A number stands without a unit.
+    /// A number without a unit.
     #[error(
         "{text} has no unit, but {expected} is expected: write \"{text} {}\" or another of the \
          accepted units: {}", expected.example_unit(), expected.accepted()
@@ -61,22 +61,22 @@ pub enum Error {
     /// The value is not a number or too large for one.
     #[error("{what} must be finite, not {value}: check the number and its exponent")]
     NotFinite {
-        /// What the value stands for.
+        /// Name of the quantity.
         what: &'static str,
         /// The value as given.
         value: f64,
     },
 
-    /// The value lies outside what it can mean.
+    /// The value lies outside its possible range.
     #[error("{what} must be {limit}, not {value}: {way_out}")]
     OutOfRange {
-        /// What the value stands for.
+        /// Name of the quantity.
         what: &'static str,
         /// The value as given, with its unit if it has one.
         value: String,
         /// The accepted range in words.
         limit: &'static str,
-        /// What to do about it.
+        /// Remedy.
         way_out: &'static str,
     },
 }

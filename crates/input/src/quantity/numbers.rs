@@ -1,6 +1,6 @@
 //! Lists of bare numbers in one text, such as places in a picture.
 
-/// So many finite numbers with commas between them; none where the text is anything else.
+/// N finite numbers separated by commas; `None` for any other text.
 ///
 /// ```
 /// assert_eq!(input::quantity::numbers("3, -0.5"), Some([3.0, -0.5]));
@@ -13,7 +13,7 @@ pub fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
     values.iter().all(|v| v.is_finite()).then_some(values)
 }
 
-/// Places `X,Y` with semicolons between them; none where the text is anything else.
+/// Points `X,Y` separated by semicolons; `None` for any other text.
 ///
 /// ```
 /// assert_eq!(input::quantity::places("3,4; 5,6"), Some(vec![[3.0, 4.0], [5.0, 6.0]]));

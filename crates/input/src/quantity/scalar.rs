@@ -1,4 +1,4 @@
-//! Numbers without dimension that have a range of meaning.
+//! Dimensionless numbers with a possible range.
 
 use std::fmt;
 use std::num::NonZeroUsize;
@@ -82,7 +82,7 @@ scalar!(
     "a coefficient of friction",
     "0 or more",
     |value| value >= 0.0,
-    "give the tangent of the friction angle; its direction is no part of it"
+    "give the tangent of the friction angle, without a direction"
 );
 scalar!(
     /// Poisson's ratio of an isotropic elastic body: more than -1, where a body would not yield
@@ -94,7 +94,7 @@ scalar!(
     "seeds and resins lie between 0 and 0.5"
 );
 scalar!(
-    /// A part of a whole.
+    /// A fraction of a whole.
     Fraction,
     "a fraction",
     "from 0 to 1",
@@ -102,7 +102,7 @@ scalar!(
     "divide a percentage by 100"
 );
 
-/// A number of things of which there must be at least one.
+/// A count of at least one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(try_from = "i64")]
 pub struct PositiveCount(NonZeroUsize);
@@ -124,7 +124,7 @@ impl PositiveCount {
     }
 }
 
-/// Makes the error for a count that is none.
+/// Makes the error for a count of zero.
 fn refused_count(count: i64) -> Error {
     Error::OutOfRange {
         what: "a count",

@@ -1,8 +1,8 @@
-//! Numbers as people read them.
+//! Numbers in readable form.
 
-/// A number with as many digits that matter as asked for, whatever its size; a dash for one that is not finite.
+/// A number with this many significant digits, whatever its size; a dash if it is not finite.
 ///
-/// From 0.001 up to 999 999 it stands as a decimal, beyond that as a power of ten: `36.500`, `1.0000e-7`. Zero is `0`.
+/// From 0.001 up to 999 999 it is a decimal, otherwise a power of ten: `36.500`, `1.0000e-7`. Zero is `0`.
 pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "-".to_owned();
@@ -28,7 +28,7 @@ pub fn significant(value: f64, digits: usize) -> String {
 mod tests {
     use super::significant;
 
-    /// The digits that matter are kept at every size: fixed decimals would show 1e-7 as 0.00000.
+    /// The significant digits are kept at every size: fixed decimals would show 1e-7 as 0.00000.
     #[test]
     fn numbers_of_every_size_keep_their_digits() {
         let cases = [

@@ -31,7 +31,7 @@ pub enum Kind {
 pub(crate) struct Unit {
     /// How the unit is written.
     pub(crate) text: &'static str,
-    /// What it measures.
+    /// Kind of quantity.
     pub(crate) kind: Kind,
     /// SI units in one unit are `numerator / denominator`; kept apart so that 0.45 mm becomes
     /// 0.45 / 1000, which rounds once, instead of 0.45 * 0.001, which rounds twice.

@@ -305,7 +305,7 @@ fn results_are_tried_before_the_run() {
             "folder.json: it is a folder",
         ),
         (vec!["--frame", "a.png", "--json", "a.png"], "two results"),
-        (vec!["--out", "tiny.toml/out"], "tiny.toml is no folder"),
+        (vec!["--out", "tiny.toml/out"], "tiny.toml is not a folder"),
         (vec!["--out", &long], "give another name"),
         (vec!["--json", "/dev/full", "--force"], "/dev/full"),
     ] {

@@ -4,8 +4,8 @@ use super::Body;
 use super::rows::joined;
 
 /// `clump template create` with the pebbles (radius x y z), and volume and inertia at unit
-/// density, as PFC asks. Positions are relative to the centroid; a line ends with `...` where
-/// the command goes on.
+/// density, as PFC requires. Positions are relative to the centroid; a line ends with `...` if
+/// the command continues.
 pub(crate) fn text(body: &Body<'_>) -> String {
     let n = body.spheres.len();
     let mut text = format!(

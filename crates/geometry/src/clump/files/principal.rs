@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 /// Spheres in the principal frame, and the principal moments at unit density in rising order.
 ///
-/// A body whose inertia is not that of a body is moved only, with the diagonal of its inertia.
+/// A body with an impossible inertia is only moved, and keeps the diagonal of its inertia.
 pub(crate) fn in_principal_frame(body: &Body<'_>) -> (Vec<Sphere>, Vector3<f64>) {
     let properties = MassProperties {
         mass: body.volume,

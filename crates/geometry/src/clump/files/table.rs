@@ -3,10 +3,10 @@
 use crate::clump::Sphere;
 use nalgebra::Vector3;
 
-/// How the names of the columns begin, where the first line names them.
+/// Beginnings of the column names, if the first line has them.
 const COLUMNS: [char; 4] = ['x', 'y', 'z', 'r'];
 
-/// What is wrong with a table of spheres.
+/// Errors in a table of spheres.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TableError {
@@ -22,7 +22,7 @@ pub enum TableError {
         /// The line.
         text: String,
     },
-    /// A line does not hold a sphere.
+    /// A line is not a sphere.
     #[error(
         "{file}, line {line}: expected x,y,z,radius as four finite numbers, radius above 0, found `{text}`; between \
          semicolons a comma is a decimal one"
@@ -43,12 +43,12 @@ pub enum TableError {
     },
 }
 
-/// Reads lines `x,y,z,radius` in a unit of so many metres: commas or blanks between, or semicolons, between which a comma is
-/// a decimal one. Names of the columns before the first sphere and lines that begin with `#` are passed over; `file` is named in messages.
+/// Reads lines `x,y,z,radius` in a unit given in metres, separated by commas, blanks or semicolons; with semicolons a comma is
+/// a decimal one. Column names before the first sphere and lines that begin with `#` are skipped; messages name `file`.
 ///
 /// # Errors
 ///
-/// Columns named in another order, a line without just four finite numbers, a radius that is not positive, no sphere.
+/// Columns in another order, a line without exactly four finite numbers, a radius that is not positive, no sphere.
 pub fn read_spheres(text: &str, file: &str, metres: f64) -> Result<Vec<Sphere>, TableError> {
     let (mut spheres, mut named) = (Vec::new(), false);
     // Spreadsheets mark the encoding at the start.

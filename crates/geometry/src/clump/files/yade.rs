@@ -4,7 +4,7 @@ use super::Body;
 use super::rows::{in_unit, joined};
 
 /// `ymport.textClumps` takes the last column as the number of the clump; `ymport.text` reads the
-/// first four and passes it over.
+/// first four and ignores it.
 pub(crate) fn text(body: &Body<'_>) -> String {
     let mut text = "# x y z radius clump, m\n".to_owned();
     for sphere in body.spheres {
