@@ -33,7 +33,7 @@ impl ProgressState {
     fn left(&self) -> String {
         match self.left_s {
             Some(left) => format!("{} of runs left", range_in_words(left)),
-            None => "time left not known yet".to_owned(),
+            None => "time left unknown".to_owned(),
         }
     }
 
@@ -298,7 +298,7 @@ mod tests {
         };
         assert_eq!(
             state.to_string(),
-            "3/9 runs of this list (1 reused, 2 running); whole loop: 75 s elapsed, time left not known yet"
+            "3/9 runs of this list (1 reused, 2 running); whole loop: 75 s elapsed, time left unknown"
         );
         state.left_s = Some([7200.0; 2]);
         let told = state.to_string();

@@ -36,7 +36,7 @@ pub trait Simulator: Sync {
     }
 }
 
-/// Why there is no result of a run.
+/// Reason for the missing result of a run.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimulatorError {

@@ -39,7 +39,7 @@ impl Workload {
     ///
     /// Seconds per cost = (sum of measured times) / (sum of their costs). With it every running
     /// run still needs max(0, expected - elapsed), and each waiting one starts on the worker that
-    /// is free first, as it will; the answer is the end of the last one. None while there is work
+    /// is free first; the answer is the end of the last one. `None` while there is work
     /// but no finished run to measure.
     pub(crate) fn list_left_s(&self) -> Option<f64> {
         if self.cost_running.is_empty() && self.cost_waiting.is_empty() {

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::write::{Overwrite, try_new, write_new};
 
-/// More threads than any one machine has; a larger number is a slip of the finger.
+/// Largest number of threads; a larger number is a typing error.
 const MOST_THREADS: usize = 1024;
 
 /// The flags that every command has.
@@ -64,13 +64,13 @@ impl Common {
         self.json.as_deref() == Some(Path::new("-"))
     }
 
-    /// Writes the results as JSON where `--json` asks for them; does nothing without `--json`.
+    /// Writes the results as JSON if `--json` is given.
     ///
-    /// Numbers keep their full precision; what is not finite becomes `null`.
+    /// Numbers keep their full precision; values that are not finite become `null`.
     ///
     /// # Errors
-    /// Results that have no form in JSON, a file that exists or cannot be written, a standard
-    /// output that takes nothing.
+    /// Results that cannot be written as JSON, a file that exists or cannot be written, a standard
+    /// output that cannot be written.
     pub fn emit_json(&self, results: &impl Serialize) -> anyhow::Result<()> {
         let Some(file) = &self.json else {
             return Ok(());
@@ -85,7 +85,7 @@ impl Common {
         write_new(file, text.as_bytes(), self.overwrite())
     }
 
-    /// Tries whether the results can be written: these files and that of [`Self::emit_json`]. To be asked before long work.
+    /// Tests whether the results can be written: these files and that of [`Self::emit_json`]. Call it before long work.
     ///
     /// # Errors
     /// A folder that is missing, a file that exists and may not be overwritten or that cannot be written, two results in one
@@ -113,7 +113,7 @@ impl Common {
     /// [`Self::try_outputs`] of a command that reads `inputs`.
     ///
     /// # Errors
-    /// As there; a result in the place of an input, which `--force` would replace.
+    /// As there; a result with the name of an input, which `--force` would replace.
     pub fn try_outputs_beside<'f>(
         &'f self,
         inputs: impl IntoIterator<Item = &'f PathBuf>,
@@ -132,7 +132,7 @@ impl Common {
         self.try_outputs(files)
     }
 
-    /// Refuses to replace a file by JSON that does not call itself JSON: with `--json photo.jpg
+    /// Refuses to replace a file without the extension of JSON by JSON: with `--json photo.jpg
     /// --force` the photo was probably meant as input.
     fn protect_input(&self, file: &Path) -> anyhow::Result<()> {
         let is_json = file
@@ -158,7 +158,7 @@ impl Common {
     /// Writes a line of results on standard output, unless JSON goes there or nobody reads it any more.
     ///
     /// # Errors
-    /// A standard output that takes nothing, such as a file on a full disk.
+    /// A standard output that cannot be written, such as a file on a full disk.
     pub fn print(&self, text: impl Display) -> anyhow::Result<()> {
         if self.json_on_stdout() {
             return Ok(());

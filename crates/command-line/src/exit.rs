@@ -1,9 +1,9 @@
-//! How a command ends.
+//! Exit codes and errors of a command.
 
 use std::io::Write as _;
 use std::process::ExitCode;
 
-/// The exit code of a command that did what it was asked.
+/// The exit code of a command that succeeded.
 pub const DONE: u8 = 0;
 /// The exit code of a command that ran, but whose criterion was not met or whose answer is a
 /// refusal.

@@ -1,6 +1,6 @@
 //! Tables as files: CSV text and Excel workbooks, read and written.
 //!
-//! [`read`] takes both for the same table, whatever the name of the file: a workbook begins as a ZIP archive does.
+//! [`read`] detects the kind from the content, whatever the name of the file: a workbook begins like a ZIP archive.
 //! `book.xlsx#Runs` names the sheet `Runs` of a workbook; without it the workbook must have one visible sheet with cells.
 //! [`bytes_for`] makes a workbook for a name that ends in `.xlsx`, and leaves CSV text as it is for any other.
 //!
@@ -33,7 +33,7 @@ const COMPOUND: &[u8] = &[0xd0, 0xcf, 0x11, 0xe0];
 /// Reads the table that a user names: CSV text, or a sheet of an Excel workbook.
 ///
 /// # Errors
-/// A file that cannot be read, is damaged or holds no table, with its name; a sheet that must be chosen; an invalid
+/// A file that cannot be read, is damaged or contains no table, with its name; a sheet that must be chosen; an invalid
 /// cell, with its place.
 pub fn read(path: &Path) -> Result<Table, Error> {
     let (file, sheet) = names::split(path);

@@ -13,7 +13,7 @@ pub(crate) fn arguments() -> impl Iterator<Item = OsString> {
     separate_json(words, |word| Path::new(word).exists()).into_iter()
 }
 
-/// Gives `--json` its own value where the next word is an input.
+/// Gives `--json` its own value if the next word is an input.
 fn separate_json(words: Vec<OsString>, exists: impl Fn(&OsStr) -> bool) -> Vec<OsString> {
     let is_input = |word: &OsStr| {
         let is_json = Path::new(word)

@@ -17,11 +17,11 @@ pub enum Overwrite {
 
 /// Writes a file whole or not at all.
 ///
-/// The bytes go to a file aside in the same folder, reach the disk, and take their name last.
+/// The bytes go to a temporary file in the same folder and reach the disk before the file gets its name.
 ///
 /// # Errors
 /// A file that exists when `overwrite` is `Refuse`, a folder that does not exist, a name that
-/// belongs to something other than a file, a disk that does not take the bytes.
+/// belongs to something other than a file, a full disk.
 pub fn write_new(path: &Path, bytes: &[u8], overwrite: Overwrite) -> anyhow::Result<()> {
     let cannot_write = || format!("cannot write {}", path.display());
     let folder = folder_of(path);
@@ -39,10 +39,10 @@ pub fn write_new(path: &Path, bytes: &[u8], overwrite: Overwrite) -> anyhow::Res
     Ok(())
 }
 
-/// Tries whether a file could be written, and leaves nothing: to be asked before long work.
+/// Tests whether a file could be written, and leaves nothing. Call it before long work.
 ///
 /// # Errors
-/// As [`write_new`], but for a disk that will be full by then.
+/// As [`write_new`], except that the disk may be full later.
 pub fn try_new(path: &Path, overwrite: Overwrite) -> anyhow::Result<()> {
     require_place(path, overwrite)?;
     let aside = Aside::write(path, &[]);
@@ -50,11 +50,11 @@ pub fn try_new(path: &Path, overwrite: Overwrite) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Tries whether files could be written into a folder, which is made with those above it where it is missing; leaves nothing:
-/// to be asked before long work.
+/// Tests whether files could be written into a folder, which is made with its parents if missing; leaves no file.
+/// Call it before long work.
 ///
 /// # Errors
-/// A path on which something else than a folder lies, or a folder that takes no files.
+/// A path that contains something other than a folder, or a folder that cannot be written.
 pub fn try_folder(folder: &Path) -> anyhow::Result<()> {
     let is_there = |path: &&Path| fs::symlink_metadata(path).is_ok();
     let named = |path: &Path| !path.as_os_str().is_empty();
@@ -87,8 +87,8 @@ pub fn try_folder(folder: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Removes what processes that were killed have left of files on their way into a folder: those that nobody has locked. Where
-/// locks are not supported nothing is removed.
+/// Removes temporary files that killed processes have left in a folder: those without a lock. If
+/// locks are not supported, nothing is removed.
 fn sweep(folder: &Path) {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     for path in entries.map(|entry| entry.path()) {
@@ -104,10 +104,10 @@ fn sweep(folder: &Path) {
     }
 }
 
-/// End of the name of a file on its way.
+/// End of the name of a temporary file.
 const PART: &str = ".part";
 
-/// Refuses a name for a file whose folder is missing, or that something has which is not to be replaced.
+/// Refuses a name whose folder is missing, or that belongs to a file that may not be replaced.
 fn require_place(path: &Path, overwrite: Overwrite) -> anyhow::Result<()> {
     let folder = folder_of(path);
     if !folder.is_dir() {

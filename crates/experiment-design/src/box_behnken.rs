@@ -64,12 +64,12 @@ pub fn box_behnken(factors: &[Factor], n_centre: usize) -> Result<Design, Error>
     Design::new(DesignKind::BoxBehnken, factors, Vec::new(), rows)
 }
 
-/// Box-Behnken design in orthogonal blocks, `n_centre` centre runs shared out among them: three
+/// Box-Behnken design in orthogonal blocks, `n_centre` centre runs divided among them: three
 /// blocks for 4 factors, two for 5, 6 and 7. Main effects, interactions and squares are free of the
 /// differences between blocks.
 ///
 /// # Source
-/// `[Box1960]`, list of designs: pairs are shared out so that every factor occurs equally often in
+/// `[Box1960]`, list of designs: pairs are divided so that every factor occurs equally often in
 /// a block; triples are split by the sign of their product.
 ///
 /// # Errors

@@ -4,7 +4,7 @@ use crate::design::append_centres;
 use crate::full_factorial::two_level_rows;
 use crate::{Design, DesignKind, Error, Factor, check_factors, fractional_factorial};
 
-/// Where the axial points of a central composite design lie.
+/// Position of the axial points of a central composite design.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AxialDistance {
     /// On the faces of the box, coded 1: three levels, nothing outside the ranges.

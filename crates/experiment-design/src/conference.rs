@@ -1,7 +1,7 @@
 //! Conference matrices, from which definitive screening designs are made.
 
-/// A conference matrix of order `n`: zeros on the diagonal, +-1 elsewhere, `C'C = (n - 1) I`. None if there is no
-/// construction here: offered are 4, 6, 8, 10, 12, 14, 16, 18, 20, 24, 26, 28, 30 and 32 (22 does not exist).
+/// A conference matrix of order `n`: zeros on the diagonal, +-1 elsewhere, `C'C = (n - 1) I`. `None` for other
+/// orders than 4, 6, 8, 10, 12, 14, 16, 18, 20, 24, 26, 28, 30 and 32 (order 22 does not exist).
 ///
 /// # Source
 /// Orders q + 1 for a field of q elements: `[Paley1933]`; 16: doubling of the skew matrix of order 8, `[Xiao2012]`.

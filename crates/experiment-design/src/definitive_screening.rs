@@ -4,17 +4,17 @@ use crate::conference::conference_matrix;
 use crate::design::append_centres;
 use crate::{Design, DesignKind, Error, Factor, check_factors};
 
-/// Most columns: the greatest conference matrix offered.
+/// Largest number of columns: the greatest available conference matrix.
 const MOST_COLUMNS: usize = 32;
 /// Fewest columns: below, the runs cannot hold the squares.
 const LEAST_COLUMNS: usize = 4;
 
-/// Least number of factors: two have no interaction that three levels of this kind could clear.
+/// Smallest number of factors: with two, this design cannot clear the interaction.
 const LEAST_FACTORS: usize = 3;
 
 /// A definitive screening design: 2 c runs in mirrored pairs, each with one factor in its middle, and centre runs.
 ///
-/// c is the least order of a conference matrix that holds the factors and `n_fake` further columns, which are left out of
+/// c is the least order of a conference matrix that holds the factors and `n_fake` further columns, which are omitted from
 /// the runs: they leave degrees of freedom for the error of the main effects. Main effects are orthogonal, and free of
 /// squares and two-factor interactions, which are free of each other's full aliasing.
 ///
@@ -22,7 +22,7 @@ const LEAST_FACTORS: usize = 3;
 /// Runs `C`, `-C`, `0` with `C'C = (c - 1) I`, zeros on the diagonal and +-1 elsewhere.
 ///
 /// # Source
-/// `[JonesNachtsheim2011]`; conference matrices: `[Xiao2012]`; columns left out: `[JonesNachtsheim2017]`.
+/// `[JonesNachtsheim2011]`; conference matrices: `[Xiao2012]`; omitted columns: `[JonesNachtsheim2017]`.
 ///
 /// # Errors
 /// [`Error::FactorCount`] for fewer than three factors, or more than fit 32 columns with the fake ones;
@@ -95,7 +95,7 @@ mod tests {
         assert_eq!(runs(22, 0), 49);
     }
 
-    /// Every offered number of factors: main effects are orthogonal to one another and to all squares and two-factor
+    /// Every available number of factors: main effects are orthogonal to one another and to all squares and two-factor
     /// interactions (sums of integers: exact), each factor has as many runs in its middle, and no pair of second-order
     /// columns is fully aliased.
     #[test]

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Error, Factor, check_factors};
 
-/// Greatest number of rows a design may have; a slip of the keyboard should not fill the memory.
+/// Largest number of rows of a design; a typing error should not fill the memory.
 const MOST_RUNS: usize = 1_000_000;
 
 /// How the runs of a design were chosen.

@@ -31,7 +31,7 @@ pub enum Error {
         /// The value, unit of the factor.
         value: f64,
     },
-    /// The range of a factor holds no interval.
+    /// The range of a factor is empty.
     #[error("factor '{symbol}' runs from {low} to {high} {unit}; low must be less than high")]
     EmptyRange {
         /// Symbol of the factor.
@@ -46,7 +46,7 @@ pub enum Error {
     /// No factor was given.
     #[error("no factor is given; a design needs at least one")]
     NoFactors,
-    /// The design does not exist for so many (or so few) factors.
+    /// The design does not exist for this number of factors.
     #[error("a {design} design takes {least} to {most} factors, {given} are given; {way_out}")]
     FactorCount {
         /// Kind of the design.
@@ -60,12 +60,12 @@ pub enum Error {
         /// Remedy.
         way_out: &'static str,
     },
-    /// The design does not exist with so many runs.
+    /// The design does not exist with this number of runs.
     #[error("a {design} design of {given} runs is not available; {way_out}")]
     RunCount {
         /// Kind of the design.
         design: &'static str,
-        /// Number of runs asked for.
+        /// Requested number of runs.
         given: usize,
         /// Remedy.
         way_out: &'static str,
@@ -90,13 +90,13 @@ pub enum Error {
          constraint"
     )]
     NoRoom,
-    /// Centre runs cannot be shared out among blocks.
+    /// Centre runs cannot be divided among blocks.
     #[error(
         "{given} centre runs cannot be divided equally among {blocks} blocks; take a multiple of {blocks}, such as {}",
         given.div_ceil(*blocks).max(1) * blocks
     )]
     UnequalCentres {
-        /// Number of centre runs asked for.
+        /// Requested number of centre runs.
         given: usize,
         /// Number of blocks.
         blocks: usize,
@@ -109,7 +109,7 @@ pub enum Error {
         /// Levels of each factor.
         levels: usize,
     },
-    /// No fraction of a factorial has the resolution asked for.
+    /// No fraction of a factorial has the requested resolution.
     #[error(
         "no fraction of the factorial of {factors} factors has resolution {resolution}: its half has {factors}, and 3 is the \
          least that keeps main effects apart; ask for 3 to {factors}, or take the full factorial"
@@ -117,7 +117,7 @@ pub enum Error {
     NoFraction {
         /// Number of factors.
         factors: usize,
-        /// Resolution asked for.
+        /// Requested resolution.
         resolution: usize,
     },
     /// A count is out of its range.
@@ -125,7 +125,7 @@ pub enum Error {
     CountOutOfRange {
         /// Name of the counted items.
         what: &'static str,
-        /// The number asked for.
+        /// The requested number.
         given: usize,
         /// Least number.
         least: usize,
@@ -156,9 +156,9 @@ pub enum Error {
     TooLarge {
         /// `lines` or `columns`.
         what: &'static str,
-        /// How many were counted; reading stops soon after the limit.
+        /// Number counted; reading stops soon after the limit.
         given: usize,
-        /// How many are read.
+        /// Largest number that is read.
         most: usize,
     },
     /// A row of totals or means among the runs.
@@ -190,7 +190,7 @@ pub enum Error {
     /// A column is missing.
     #[error("there is no column '{column}'; the columns are: {available}")]
     MissingColumn {
-        /// Name asked for.
+        /// Requested name.
         column: String,
         /// Names in the header, comma separated.
         available: String,
@@ -198,7 +198,7 @@ pub enum Error {
     /// A column name fits several columns or appears twice.
     #[error("the column name '{column}' fits several columns: {candidates}; name one in full")]
     AmbiguousColumn {
-        /// Name asked for.
+        /// Requested name.
         column: String,
         /// The columns that fit, comma separated.
         candidates: String,
@@ -219,7 +219,7 @@ pub enum Error {
         /// The field as read.
         text: String,
     },
-    /// Coded and natural values of a factor do not belong together.
+    /// Coded and natural values of a factor do not agree.
     #[error(
         "{place}: the coded and the natural value of '{symbol}' do not agree with its range; \
          the natural value should be {expected}, it is {given}"

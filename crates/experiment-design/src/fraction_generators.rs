@@ -5,7 +5,7 @@ use crate::fractional_factorial::{fraction, spell};
 use crate::full_factorial::two_level_rows;
 use crate::{Design, Error, Factor, Fraction, check_factors};
 
-/// Most generators: m of them make 2^m - 1 defining words, which are all reported.
+/// Largest number of generators: m of them make 2^m - 1 defining words, which are all reported.
 const MOST_GENERATORS: usize = 15;
 
 /// The fraction in which further factors are products of earlier ones, such as `D=ABC` (`D=A:B:C`
@@ -51,7 +51,7 @@ pub fn fraction_with_generators(
     {
         return Err(Error::BadGenerator {
             generator: generators.join(", "),
-            reason: "generators must be products of factors that have no generator themselves",
+            reason: "a generator may contain only factors without a generator of their own",
         });
     }
     if basic.is_empty() || basic.len() > 10 {
@@ -91,7 +91,7 @@ pub fn fraction_with_generators(
 }
 
 /// Splits the runs of a two-level design into blocks by the signs of products of factors, such as
-/// `ABC`; m generators make 2^m blocks. Centre runs are shared out among the blocks.
+/// `ABC`; m generators make 2^m blocks. Centre runs are divided among the blocks.
 ///
 /// Returns the design and the products that are confounded with blocks.
 ///

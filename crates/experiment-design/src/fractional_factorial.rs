@@ -10,7 +10,7 @@ use crate::{Design, DesignKind, Error, Factor, check_factors};
 /// further factor the basic factors whose product it is `[Fries1980]`,
 /// `[Box2005, table of fractions of least aberration]`.
 ///
-/// Every number of halvings from one to the most that leaves each main effect a column of its own is there, the most halved last.
+/// The list has every number of halvings from one to the most that leaves each main effect its own column, in rising order.
 /// Those of more than 128 runs come from a search through all defining relations of their size.
 const GENERATORS: [(usize, usize, &[&str]); 33] = [
     (3, 2, &["AB"]),
@@ -48,7 +48,7 @@ const GENERATORS: [(usize, usize, &[&str]); 33] = [
     (11, 4, &["ABC", "BCD", "ACD", "ABD", "ABCD", "AB", "AC"]),
 ];
 
-/// A fraction with what it costs: resolution and defining relation.
+/// A fraction with its resolution and defining relation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fraction {
     /// The runs.
@@ -115,7 +115,7 @@ pub fn fraction_of_resolution(
     })
 }
 
-/// The tabulated fractions of so many factors, each halved once more than the one before it: its number of basic factors and the
+/// The tabulated fractions of this number of factors, each halved once more than the one before it: its number of basic factors and the
 /// products that make the others.
 fn fractions_of(factors: &[Factor]) -> Result<Vec<(usize, Vec<usize>)>, Error> {
     check_factors(factors)?;

@@ -1,7 +1,7 @@
 //! Orthogonal two-level columns.
 
 /// Columns of a saturated orthogonal two-level design of `n_runs` runs, row by row, (n, n - 1); the
-/// last row is all minus. None if there is no construction here: offered are the multiples of
+/// last row is all minus. `None` for other numbers of runs than the multiples of
 /// four from 12 to 48.
 ///
 /// # Source

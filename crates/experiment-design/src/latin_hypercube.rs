@@ -7,7 +7,7 @@ use crate::{Design, DesignKind, Error, Factor, check_factors};
 /// Random samples among which the one with the greatest least distance is kept.
 const TRIES: usize = 50;
 
-/// Exchanges in a row that must fail before the search ends.
+/// Number of consecutive failed exchanges that ends the search.
 const EXCHANGES: usize = 200;
 
 /// Latin hypercube of `n_runs` runs: each of the n equal slices of every factor holds one run.

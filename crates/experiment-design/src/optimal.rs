@@ -45,7 +45,7 @@ pub fn optimal_design(
 /// Runs, added to given ones, that are nearly optimal for a model within a region; all rows are in the coordinates of the
 /// region.
 ///
-/// Coordinates move to the ends and the middle of what the constraints leave of their range, or to their levels; under
+/// Coordinates move to the ends and the middle of their range within the constraints, or to their levels; under
 /// constraints whole runs move to the corners of the region and the middles between them as well.
 ///
 /// # Errors

@@ -1,11 +1,11 @@
-//! Where the runs of a design may lie: ranges, levels, and linear constraints on them.
+//! Region of the runs of a design: ranges, levels, and linear constraints on them.
 
 use nalgebra::{DMatrix, DVector};
 use probability::random_stream::Stream;
 
 use crate::Error;
 
-/// By how much a point may break a constraint through rounding, relative to the sum of |weights|.
+/// Largest violation of a constraint through rounding, relative to the sum of |weights|.
 const SLACK: f64 = 1e-9;
 /// Pivot below which planes count as parallel; weights sum to one or so.
 const PARALLEL: f64 = 1e-9;
@@ -49,7 +49,7 @@ impl Constraint {
     }
 }
 
-/// The points that a run may be.
+/// The allowed points of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
     /// Allowed values of each coordinate.
@@ -130,7 +130,7 @@ impl Region {
     }
 
     /// The values worth trying for one coordinate, the others as in `x`: its levels; -1, 0 and +1 of a free range; the
-    /// quarters of what constraints leave of it, and 0 where that is left.
+    /// quarters of its constrained range, and 0 if the constraints allow it.
     pub(crate) fn values(&self, x: &[f64], j: usize) -> Vec<f64> {
         match &self.coordinates[j] {
             Coordinate::Levels(levels) => {
@@ -268,7 +268,7 @@ impl Region {
     }
 
     /// The corners of the region: points at which as many bounds and constraints as there are coordinates hold with
-    /// equality, levels counting as bounds. None of them where they are too many to be looked for, and none for the
+    /// equality, levels counting as bounds. Empty if there are too many to search, and for the
     /// whole box, whose corners need no search.
     pub(crate) fn corners(&self) -> Vec<Vec<f64>> {
         if self.constraints.is_empty() {

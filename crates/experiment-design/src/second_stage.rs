@@ -5,7 +5,7 @@ use probability::random_stream::Stream;
 use crate::optimal::{PASSES, Target};
 use crate::{Criterion, Design, DesignKind, Error, Factor, Region, check_factors};
 
-/// Adds runs to given ones as [`crate::optimal_rows`] does, as block 2, taken from the points that `allowed` lets pass among a
+/// Adds runs to given ones as [`crate::optimal_rows`] does, as block 2, taken from the points that `allowed` accepts in a
 /// grid of levels -1, -1/2, 0, 1/2, +1: the second stage of an experiment near a contour.
 ///
 /// # Errors

@@ -1,9 +1,9 @@
 //! Tables: factors, designs, and measured data, as CSV text or the cells of a sheet.
 //!
-//! Comma separated, first line the column names, fields quoted with `"` where they hold a comma. Tables that are read may
+//! Comma separated, first line the column names, fields quoted with `"` if they contain a comma. Tables that are read may
 //! have semicolons or tabs instead, and then decimal commas. Lines that start with `#` and empty lines are skipped.
-//! Text that a spreadsheet would run as a formula is written with an apostrophe before it, and read without. Numbers are written with as many digits
-//! as they need to be read back bit for bit.
+//! Text that a spreadsheet would run as a formula is written with an apostrophe before it, and read without. Numbers are written with enough
+//! digits to be read back bit for bit.
 
 mod dialect;
 mod read;
@@ -17,7 +17,7 @@ pub use write::{csv_field, design_to_csv, factors_to_csv};
 use crate::{Design, DesignKind, Error, Factor, Run, check_factors};
 
 /// Reads factors from a table with the columns `symbol,name,unit,low,high`; further columns are
-/// left unread, `name` and `unit` may be missing.
+/// ignored, `name` and `unit` may be missing.
 ///
 /// # Errors
 /// Those of [`Table::parse`], [`Factor::new`] and [`check_factors`]; [`Error::MissingColumn`];

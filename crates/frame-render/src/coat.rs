@@ -6,9 +6,9 @@ use nalgebra::Vector3;
 /// Which triangles are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Faces {
-    /// Those that look at the camera: of a closed surface.
+    /// Those that face the camera: for a closed surface.
     Front,
-    /// All, as of a wall that is seen from both sides.
+    /// All: for a wall that is visible from both sides.
     Both,
 }
 
@@ -39,7 +39,7 @@ pub(crate) struct Coat {
     near: Vec<f64>,
     /// Place of its normal; without meaning if no surface is near.
     owner: Vec<u32>,
-    /// Unit normals of the triangles that look at the camera, in camera axes: kept once for each triangle, since
+    /// Unit normals of the triangles that face the camera, in camera axes: kept once for each triangle, since
     /// a picture has millions of samples.
     normals: Vec<Vector3<f64>>,
 }

@@ -50,7 +50,7 @@ impl DepthBuffer {
         }
     }
 
-    /// Puts the sphere with number `index` in, where it is nearer than what is there.
+    /// Draws the sphere with number `index` at the pixels at which it is the nearest.
     pub(crate) fn add(&mut self, index: u32, sphere: &Footprint) {
         let Some(rows) = self.range(sphere.down, sphere.radius) else {
             return;

@@ -1,4 +1,4 @@
-//! The drum through its end cover, and what lies on a floor from the side.
+//! The drum through its end cover, and bodies on a floor from the side.
 
 use image::{Rgb, RgbImage};
 use nalgebra::Vector3;
@@ -11,7 +11,7 @@ use crate::segments::draw_segments;
 use crate::sphere::check_spheres;
 use crate::{Error, RenderSphere};
 
-/// Brightness of a face seen edge-on, relative to one that looks into the camera.
+/// Brightness of a face seen edge-on, relative to one that faces the camera.
 const EDGE_BRIGHTNESS: f64 = 0.52;
 /// Brightness at the back cover relative to the front cover.
 const BACK_BRIGHTNESS: f64 = 0.78;

@@ -1,10 +1,10 @@
 //! Errors of a requested picture.
 
-/// Why a picture cannot be made.
+/// Reason for a refused picture.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A sphere that has no place or size.
+    /// A sphere without a finite position or size.
     #[error(
         "sphere {index} has {field} = {value} m; the centre must be finite and the radius finite and \
          above 0 m, so look for a simulation that has become unstable"
@@ -47,7 +47,7 @@ pub enum Error {
         /// The coordinate, m.
         value: f64,
     },
-    /// There is nothing to look at, so no frame can be chosen.
+    /// The scene is empty, so no view can be chosen.
     #[error("there is neither a sphere nor a triangle to look at")]
     NothingToShow,
     /// More spheres than the depth buffer can number.

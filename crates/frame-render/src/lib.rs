@@ -1,12 +1,12 @@
 //! Pictures of spheres as a camera would see them.
 //!
-//! Three cameras are offered. [`render_drum`] looks along the axis of a rotating drum through its
+//! There are three cameras. [`render_drum`] looks along the axis of a rotating drum through its
 //! end cover, so that the picture can be measured like a photograph; [`render_side`] looks at
-//! what lies on a floor; [`render_object`] looks at one particle from a free direction. All fill a depth buffer with ray-intersected spheres.
+//! bodies on a floor; [`render_object`] looks at one particle from a free direction. All fill a depth buffer with ray-intersected spheres.
 //!
 //! Invariants:
 //! - The same input gives the same bytes on every machine with IEEE arithmetic: one thread, a
-//!   fixed order, the first sphere of the list wins where two are equally near.
+//!   fixed order, the first sphere of the list wins if two are equally near.
 //! - A scene mirrored in x (with the opposite roll) gives exactly the mirrored picture.
 //! - Pixel coordinates are continuous with the *centre* of the upper left pixel at (0, 0),
 //!   columns to the right and rows downward; see [`DrumProjection`].

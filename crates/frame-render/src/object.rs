@@ -17,18 +17,18 @@ const PIXELS: [u32; 2] = [16, 4096];
 const PAPER: [u8; 3] = [250, 250, 248];
 /// Colour of the mesh.
 const MESH_COLOUR: [u8; 3] = [110, 170, 225];
-/// Share of the mesh colour where the mesh lies over something.
+/// Weight of the mesh colour in front of other surfaces.
 const MESH_OPACITY: f64 = 0.3;
 /// Part of the picture's half width that the object may take.
 const FILL: f64 = 0.92;
-/// Light that comes from everywhere.
+/// Ambient light.
 const AMBIENT: f64 = 0.28;
 /// Key light: right, up, toward the camera (need not be of unit length), and its strength.
 const KEY_LIGHT: ([f64; 3], f64) = ([-0.5, 0.65, 0.75], 0.62);
 /// Fill light from the other side, and its strength.
 const FILL_LIGHT: ([f64; 3], f64) = ([0.8, -0.1, 0.45], 0.26);
 
-/// How an object is looked at.
+/// View of an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObjectView {
     /// From the object to the camera, in the object's frame; any length but 0.
@@ -51,7 +51,7 @@ impl ObjectView {
 ///
 /// Parallel rays, z upward in the picture (y for a view along z), two lights, light paper. The
 /// view is chosen so that everything is seen. `triangles` holds three corners each, m, wound
-/// counter-clockwise from outside; triangles that look away are not drawn. Pass an empty slice
+/// counter-clockwise from outside; triangles that face away are not drawn. Pass an empty slice
 /// for spheres alone or for a mesh alone.
 ///
 /// # Errors

@@ -9,7 +9,7 @@ pub struct RenderSphere {
     pub centre: [f64; 3],
     /// Radius, m.
     pub radius: f64,
-    /// Colour of a face that looks straight into the camera, sRGB.
+    /// Colour of a face that faces the camera, sRGB.
     pub colour: [u8; 3],
 }
 

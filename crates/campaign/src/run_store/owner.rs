@@ -9,7 +9,7 @@ use crate::run_store::canonical::hexadecimal;
 use crate::run_store::folder::Folder;
 use crate::run_store::{Attempt, CLAIM_LIFE, Claim, Error, Holder, Store};
 
-/// How often a claim is renewed in its life.
+/// Number of renewals of a claim in its lifetime.
 const RENEWALS: u32 = 6;
 
 /// Name of the folder itself among the claims.
@@ -173,7 +173,7 @@ mod tests {
         assert_eq!(std::fs::read_dir(place.path()).unwrap().count(), 0);
     }
 
-    /// A work whose text is longer than the part of a claim that is read: the owner is known, shared with and renewed, and the folder
+    /// Work with a text longer than the part of a claim that is read: the owner is still known, shared with and renewed, and the folder
     /// is free once it has left.
     #[test]
     fn work_of_any_length_is_known_again() {

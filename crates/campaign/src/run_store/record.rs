@@ -100,7 +100,7 @@ impl Record {
         Ok(self)
     }
 
-    /// Sets how the run ended up, such as `rolling`; it is not part of the key.
+    /// Sets the class of the run, such as `rolling`; it is not part of the key.
     #[must_use]
     pub fn with_regime(mut self, regime: Option<String>) -> Self {
         self.regime = regime;

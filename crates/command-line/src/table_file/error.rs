@@ -1,8 +1,8 @@
-//! Why a file gives no table.
+//! Errors of a table file.
 
 use std::path::PathBuf;
 
-/// Why a file gives no table, or a table no file.
+/// A table that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

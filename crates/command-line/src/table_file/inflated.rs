@@ -1,14 +1,14 @@
-//! The size of an archive once it is unpacked, and the sizes that its parts announce.
+//! Size of an unpacked archive, and the sizes that its parts announce.
 
 use std::io::{Cursor, Read as _, Result as IoResult, Write, copy};
 use zip::ZipArchive;
 
-/// Most bytes of all parts together (256 MiB): our choice, some ten million cells. A thousandth of it in the archive may be all.
+/// Most bytes of all parts together (256 MiB): our choice, some ten million cells. The archive may be a thousand times smaller.
 const MOST_UNPACKED: u64 = 1 << 28;
 
 /// Unpacks every part of an archive once into nothing: all of them together are of a plausible size, and each has its checksum.
-/// What an archive says about its sizes is not believed, and neither is the number of texts that a part announces, for which
-/// the reader would take memory before it has seen one.
+/// It does not rely on the sizes in the archive, nor on the number of texts that a part announces, for which
+/// the reader would allocate memory before it has read one.
 pub(crate) fn check(bytes: &[u8]) -> Result<(), String> {
     let damaged = |why: &dyn std::fmt::Display| {
         format!("the workbook is damaged ({why}); copy it again, or save it again")

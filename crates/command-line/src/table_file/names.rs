@@ -24,7 +24,7 @@ fn ends_in(file: &Path, ending: &str) -> bool {
         .is_some_and(|end| end.eq_ignore_ascii_case(ending))
 }
 
-/// Parts `book.xlsx#Runs` into the file and its sheet. A file that has the whole name is that file.
+/// Splits `book.xlsx#Runs` into the file and its sheet, unless a file has the whole name.
 pub(crate) fn split(path: &Path) -> (PathBuf, Option<String>) {
     let named = path.to_str().and_then(|text| text.rsplit_once('#'));
     match named {

@@ -37,7 +37,7 @@ impl Default for Room {
 }
 
 impl Room {
-    /// Takes the room of a cell; none if there is no more.
+    /// Reserves memory for a cell; `None` if no more is left.
     fn take(&mut self, bytes: usize) -> Option<()> {
         self.cells = self.cells.checked_sub(1)?;
         self.bytes = self.bytes.checked_sub(bytes)?;
@@ -208,7 +208,7 @@ fn is_error(text: &str) -> bool {
     ends && !text.contains(' ')
 }
 
-/// A date as text, so that no column of numbers takes it for one: ISO 8601, a duration in days with the word behind.
+/// A date as text, so that it is not read as a number: ISO 8601, a duration in days with the word behind.
 fn date(value: &ExcelDateTime) -> String {
     if value.is_duration() {
         return format!("{} days", value.as_f64());

@@ -6,7 +6,7 @@ use experiment_design::table::Table;
 use rust_xlsxwriter::{DocProperties, ExcelDateTime, Format, Workbook, XlsxError};
 use std::path::Path;
 
-/// The bytes of a table for a file of this name: an Excel workbook where it ends in `.xlsx`, otherwise the CSV text as it is.
+/// The bytes of a table for a file of this name: an Excel workbook if it ends in `.xlsx`, otherwise the unchanged CSV text.
 ///
 /// # Errors
 /// A text that is not a table, a table larger than a sheet, or another extension of a workbook.

@@ -19,7 +19,7 @@ pub enum Criterion {
 }
 
 impl Criterion {
-    /// The kind of a design that is made by it.
+    /// The kind of the resulting design.
     pub fn kind(self) -> DesignKind {
         match self {
             Self::Determinant => DesignKind::DOptimal,
@@ -28,13 +28,13 @@ impl Criterion {
     }
 }
 
-/// A criterion with what it needs: the model, the runs that are given, the moments of the region.
+/// A criterion with its data: the model, the given runs, the moments of the region.
 pub(crate) struct Target<'a> {
     /// Terms of the model at a point.
     row: &'a dyn Fn(&[f64]) -> Vec<f64>,
     /// X'X of the given runs.
     given: Vec<Vec<f64>>,
-    /// Mean of x x' over the region; none for the determinant.
+    /// Mean of x x' over the region; `None` for the determinant.
     moments: Option<Vec<Vec<f64>>>,
 }
 
@@ -67,7 +67,7 @@ impl<'a> Target<'a> {
         self.given.len()
     }
 
-    /// The value of the given runs and these together; the less the better.
+    /// The value of the given runs and these together; smaller is better.
     pub(crate) fn cost(&self, rows: &[Vec<f64>]) -> f64 {
         let mut sum = information(rows, self.row, self.terms());
         for (entry, more) in sum.iter_mut().flatten().zip(self.given.iter().flatten()) {
@@ -89,7 +89,7 @@ fn mean_of(rows: &[Vec<f64>], row: &dyn Fn(&[f64]) -> Vec<f64>, terms: usize) ->
     moments
 }
 
-/// X'X with a slight ridge, (terms, terms).
+/// X'X with a small ridge term, (terms, terms).
 pub(crate) fn information(
     rows: &[Vec<f64>],
     row: &dyn Fn(&[f64]) -> Vec<f64>,

@@ -1,7 +1,7 @@
 //! Variants of tables from spreadsheets: encodings, separators, decimal commas, cells that run as formulas.
 
-/// The text of a file: UTF-8, UTF-16 with its byte order mark, or else Latin-1 (ISO 8859-1), which every sequence of bytes
-/// is.
+/// The text of a file: UTF-8, UTF-16 with its byte order mark, or else Latin-1 (ISO 8859-1), in which every sequence of bytes
+/// is valid.
 pub fn text_of_bytes(bytes: Vec<u8>) -> String {
     let wide = |bytes: &[u8], order: fn([u8; 2]) -> u16| -> String {
         let units = bytes[2..]
@@ -46,7 +46,7 @@ pub(super) fn has_decimal_point(field: &str) -> bool {
     field.contains('.') && field.trim().parse::<f64>().is_ok()
 }
 
-/// A number written with a decimal comma, with a point instead; none for any other field.
+/// A number written with a decimal comma, with a point instead; `None` for any other field.
 pub(super) fn with_decimal_point(field: &str) -> Option<String> {
     let (whole, rest) = field.split_once(',')?;
     let starts = rest.starts_with(|c: char| c.is_ascii_digit());
@@ -55,7 +55,7 @@ pub(super) fn with_decimal_point(field: &str) -> Option<String> {
     is_number.then_some(pointed)
 }
 
-/// A field that no spreadsheet takes for a formula: text that begins with `=`, `+`, `-`, `@`, a tab or a line break gets an
+/// A field that no spreadsheet runs as a formula: text that begins with `=`, `+`, `-`, `@`, a tab or a line break gets an
 /// apostrophe before it, which spreadsheets do not show. Numbers stay as they are.
 ///
 /// # Source

@@ -28,7 +28,7 @@ struct Sheet {
     first_column: usize,
 }
 
-/// A row of a table. The fields are kept in one text: a text for each would take many times the size of a file of numbers.
+/// A row of a table. The fields are kept in one text: one text per field would take many times the size of a file of numbers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Row {
     /// Line in the text or row of the sheet, from 1.
@@ -85,7 +85,7 @@ impl Row {
 }
 
 impl Table {
-    /// Reads a table from CSV text, separated by commas, or by semicolons or tabs where the header line has them; a first
+    /// Reads a table from CSV text, separated by commas, or by semicolons or tabs if the header line has them; a first
     /// line `sep=;` names another separator. Without commas as separators, numbers may have decimal commas, unless any number
     /// of the table has a point. Lines without any text in their fields are skipped: spreadsheets write them for empty rows.
     ///
@@ -169,7 +169,7 @@ impl Table {
         Self::of_rows(rows.collect(), Some(sheet))
     }
 
-    /// A table from its rows, the first of them the column names. A first column that only counts the rows is left out.
+    /// A table from its rows, the first of them the column names. A first column that only counts the rows is omitted.
     fn of_rows(mut rows: Vec<Row>, mut sheet: Option<Sheet>) -> Result<Self, Error> {
         if rows.is_empty() {
             return Err(Error::EmptyTable { what: "header" });
@@ -208,7 +208,7 @@ impl Table {
         Ok(table)
     }
 
-    /// Refuses a row of totals, means or the like: a word for one in a column that otherwise holds numbers, or nothing.
+    /// Refuses a row of totals or means: one with a word such as `total` in a column that otherwise contains numbers or nothing.
     fn check_summaries(&self) -> Result<(), Error> {
         for column in 0..self.header.len() {
             let mut rows = self.rows.iter();
@@ -360,7 +360,7 @@ impl Table {
         parsed.map(Some).ok_or_else(|| self.bad_number(row, column))
     }
 
-    /// The error of a field that is not the number it should be.
+    /// The error of a field that should be a number.
     fn bad_number(&self, row: &Row, column: usize) -> Error {
         Error::BadNumber {
             place: self.place(row, column),
@@ -369,7 +369,7 @@ impl Table {
     }
 }
 
-/// A column name with its unit in brackets behind it, `Temp (deg C)` or `Temp [deg C]`, as both; none for any other name.
+/// A column name with its unit in brackets behind it, `Temp (deg C)` or `Temp [deg C]`, as both; `None` for any other name.
 pub fn split_unit(column: &str) -> Option<(&str, &str)> {
     let brackets = [('(', ')'), ('[', ']')].into_iter();
     let mut parts = brackets.filter_map(|(open, close)| {
@@ -392,7 +392,7 @@ pub fn is_row_index<'a>(texts: impl Iterator<Item = &'a str>) -> bool {
     })
 }
 
-/// Words for rows below a table that sum its columns up.
+/// Words for rows of sums or means below a table.
 const SUMMARIES: [&str; 18] = [
     "total",
     "totals",

@@ -1,4 +1,4 @@
-//! The records of a CSV text: fields, quotes, and which line each begins in.
+//! The records of a CSV text: fields, quotes, and the first line of each.
 
 /// Most fields of a record: the columns of a sheet of a workbook.
 pub(super) const MOST_FIELDS: usize = 16_384;
@@ -24,14 +24,14 @@ impl<'a> Records<'a> {
         }
     }
 
-    /// The line that comes next, without its end, and its number; none at the end of the text.
+    /// The next line without its end, and its number; `None` at the end of the text.
     pub(super) fn line(&self) -> Option<(usize, &'a str)> {
         let line = self.rest.split(self.end).next()?;
         let line = line.strip_suffix('\r').unwrap_or(line);
         (!self.rest.is_empty()).then_some((self.line, line))
     }
 
-    /// Leaves the next line out.
+    /// Skips the next line.
     pub(super) fn skip_line(&mut self) {
         self.rest = self.rest.split_once(self.end).map_or("", |(_, rest)| rest);
         self.line += 1;

@@ -1,4 +1,4 @@
-//! One line a sphere: the plain table, and what other formats share.
+//! One line per sphere: the plain table, and functions that other formats share.
 
 use super::Body;
 use crate::clump::Sphere;
