@@ -69,7 +69,7 @@ impl fmt::Display for ProgressState {
 
 /// A listener; called by one thread at a time.
 pub trait Progress: Sync {
-    /// Hears what came of a run of a list: its record, which may have been in the store, or why it has none.
+    /// Hears the result of a run of a list: its record, which may have been in the store, or why it has none.
     fn ended(&self, request: &RunRequest, result: Result<&Record, &str>) {
         let _ = (request, result);
     }
