@@ -51,7 +51,7 @@ pub enum Error {
     },
     /// The limit of [`crate::Campaign::with_wait`] was reached.
     #[error(
-        "waited for {n_left} of {n_runs} runs that other processes do in the same folder; they go on"
+        "waited for {n_left} of {n_runs} runs that other processes do in the same folder; they continue"
     )]
     Waited {
         /// Number of runs that others do.

@@ -110,7 +110,7 @@ impl<'a> Campaign<'a> {
     ///
     /// # Errors
     ///
-    /// [`Error::Refused`] when a request stands for no run, before anything is run; [`Error::Run`] when runs failed,
+    /// [`Error::Refused`] if a request is invalid, before anything is run; [`Error::Run`] when runs failed,
     /// after all others were done; [`Error::Stopped`] when the flag was raised before the end; [`Error::Waited`] when the limit
     /// of [`Campaign::with_wait`] was reached; [`Error::Store`] when the store cannot be read or written.
     pub fn run_all(

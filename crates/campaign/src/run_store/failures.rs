@@ -43,7 +43,7 @@ impl Folder {
         (known.get(key) != Some(&time)).then_some(text)
     }
 
-    /// Remembers a note that is no news.
+    /// Remembers a note that is already known.
     fn remember(&self, key: &str, time: Duration) {
         let mut known = self.failures.lock().unwrap_or_else(PoisonError::into_inner);
         known.insert(key.to_owned(), time);

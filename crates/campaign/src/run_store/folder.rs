@@ -32,7 +32,7 @@ pub(crate) struct Folder {
     pub(crate) machine: Machine,
     /// The disk that writes its files.
     pub(crate) disk: Disk,
-    /// Notes on failed runs that are no news, by key: the time of those met at the opening, and of own ones.
+    /// Known notes on failed runs, by key: the time of those found at the opening, and of own ones.
     pub(crate) failures: Mutex<BTreeMap<String, Duration>>,
     /// Last look at the clock of the file system: its time, and when the look was.
     clock: Mutex<Option<(Duration, Instant)>>,
