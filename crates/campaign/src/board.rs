@@ -13,10 +13,10 @@ use crate::{Pace, SimulatorError};
 const FIRST_PAUSE: Duration = Duration::from_millis(200);
 /// Longest pause between two looks.
 const LONGEST_PAUSE: Duration = Duration::from_secs(2);
-/// A pause is so much longer than the one before.
+/// Factor from one pause to the next.
 const PAUSE_GROWTH: f64 = 1.5;
 
-/// How far each job is.
+/// Progress of each job.
 #[derive(Debug)]
 pub(crate) struct Board {
     /// Jobs not yet begun, in the order in which they begin.
@@ -25,7 +25,7 @@ pub(crate) struct Board {
     pub(crate) asking: BTreeSet<usize>,
     /// Jobs that another campaign does.
     pub(crate) elsewhere: Vec<Elsewhere>,
-    /// Jobs in progress with the time of their begin.
+    /// Jobs in progress with their start time.
     pub(crate) running: BTreeMap<usize, Instant>,
     /// Result of each job; `None` before its end.
     pub(crate) results: Vec<Option<Result<Record, Failure>>>,
@@ -35,7 +35,7 @@ pub(crate) struct Board {
     pub(crate) broken: bool,
     /// Set once the listener knows that the campaign waits for another.
     pub(crate) told_of_others: bool,
-    /// Since when others do all that is left.
+    /// Time since which other campaigns do all remaining jobs.
     pub(crate) waiting_since: Option<Instant>,
 }
 
@@ -44,7 +44,7 @@ pub(crate) struct Board {
 pub(crate) struct Elsewhere {
     /// Its number.
     pub(crate) job: usize,
-    /// When the claim was met first.
+    /// When the claim was first found.
     since: Instant,
     /// When to look again.
     due: Instant,
@@ -57,12 +57,12 @@ pub(crate) struct Elsewhere {
 pub(crate) enum Failure {
     /// The simulator gave none.
     Simulator(SimulatorError),
-    /// The store did not take it.
+    /// The store could not write it.
     Store(crate::run_store::Error),
 }
 
 impl Elsewhere {
-    /// A job whose claim is met for the first time, or again.
+    /// A job whose claim is found for the first time, or again.
     pub(crate) fn met(job: usize, before: Option<Self>) -> Self {
         let now = Instant::now();
         let pause = before.map_or(FIRST_PAUSE, |before| {
@@ -78,14 +78,14 @@ impl Elsewhere {
 }
 
 impl Board {
-    /// Takes a job of another campaign that is to be looked at again.
+    /// Takes a job of another campaign that is due for another look.
     pub(crate) fn take_due(&mut self) -> Option<Elsewhere> {
         let now = Instant::now();
         let due = self.elsewhere.iter().position(|other| other.due <= now)?;
         Some(self.elsewhere.remove(due))
     }
 
-    /// Time until the next job of another campaign is to be looked at; at most the first pause.
+    /// Time until the next job of another campaign is due for a look; at most the first pause.
     pub(crate) fn until_due(&self) -> Duration {
         let now = Instant::now();
         let waits = self
@@ -100,19 +100,19 @@ impl Board {
         !(self.elsewhere.is_empty() && self.asking.is_empty())
     }
 
-    /// Whether others do all that is left.
+    /// Whether other campaigns do all remaining jobs.
     pub(crate) fn waits_for_others(&self) -> bool {
         self.waiting.is_empty() && self.running.is_empty()
     }
 
-    /// Keeps the time since when others do all that is left.
+    /// Keeps the time since which other campaigns do all remaining jobs.
     pub(crate) fn note_waiting(&mut self) {
         self.waiting_since = self
             .waits_for_others()
             .then(|| self.waiting_since.unwrap_or_else(Instant::now));
     }
 
-    /// Whether others have done all that is left for longer than the limit.
+    /// Whether other campaigns have done all remaining jobs for longer than the limit.
     pub(crate) fn has_waited_for(&self, limit: Option<Duration>) -> bool {
         let since = self.waiting_since.filter(|_| !self.elsewhere.is_empty());
         since
@@ -153,7 +153,7 @@ pub(crate) fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
 mod tests {
     use super::Elsewhere;
 
-    /// 0.2 s, half as much again each time, never more than 2 s.
+    /// 0.2 s, 1.5 times as long each time, at most 2 s.
     #[test]
     fn looks_at_the_run_of_another_become_rarer() {
         let mut met = Elsewhere::met(3, None);

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use crate::error::in_full;
 
-/// A claim is renewed so often in its life: a few renewals may be late or fail.
+/// Number of renewals of a claim in its lifetime: a few may be late or fail.
 const RENEWALS_PER_LIFE: u32 = 6;
 
 /// Whether a run may begin.
@@ -34,7 +34,7 @@ pub(crate) struct Keeper<'s> {
     life: Duration,
     /// Shared state of the threads.
     state: Mutex<State>,
-    /// Rings at the end.
+    /// Signals the end.
     end: Condvar,
 }
 
@@ -43,7 +43,7 @@ pub(crate) struct Keeper<'s> {
 struct State {
     /// The claims by key.
     held: BTreeMap<String, Arc<Claim>>,
-    /// Set when the store has shown that it takes no claims.
+    /// Set once the store has refused a claim for lack of support.
     goes_without: bool,
     /// Set at the end.
     is_over: bool,
@@ -124,7 +124,7 @@ impl<'s> Keeper<'s> {
         self.end.notify_all();
     }
 
-    /// Locks the state, which no panic leaves half done.
+    /// Locks the state; a panic never leaves it inconsistent.
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }

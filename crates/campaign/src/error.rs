@@ -2,18 +2,18 @@
 
 use crate::{RunRequest, SimulatorError};
 
-/// Why a campaign did not give all its records.
+/// Reason for missing records of a campaign.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Requests stand for no run; this is the first of them. Nothing was run.
+    /// Invalid requests, of which this is the first. Nothing was run.
     #[error(
         "run '{request}' is refused ({n_refused} of {n_requests} requests in total); nothing was run"
     )]
     Refused {
         /// The first request that is refused.
         request: Box<RunRequest>,
-        /// Why it is refused.
+        /// Reason for the refusal.
         source: SimulatorError,
         /// Number of requests that are refused.
         n_refused: usize,
@@ -21,12 +21,12 @@ pub enum Error {
         n_requests: usize,
     },
     /// Runs failed; this is the first in the order of the requests. All others were done and
-    /// stored, so that calling again repeats the failed ones only.
+    /// stored, so another call repeats only the failed runs.
     #[error("run '{request}' failed ({n_failed} of {n_runs} runs in total)")]
     Run {
         /// The first request that failed.
         request: Box<RunRequest>,
-        /// Why it failed.
+        /// Reason for the failure.
         source: SimulatorError,
         /// Number of runs that failed.
         n_failed: usize,
@@ -61,7 +61,7 @@ pub enum Error {
     },
 }
 
-/// An error with its causes, as one line; a cause that the text tells already is not told again.
+/// An error with its causes, as one line, without causes that the text already contains.
 pub fn in_full(error: &dyn std::error::Error) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();

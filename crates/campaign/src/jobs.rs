@@ -1,11 +1,11 @@
-//! From requests to runs: which of them stand for the same run, and which are refused.
+//! From requests to runs: which requests are the same run, and which are refused.
 
 use crate::run_store::Record;
 use std::collections::BTreeMap;
 
 use crate::{Error, RunRequest, Simulator, SimulatorError};
 
-/// A run that the campaign asks for, whoever asked and how often.
+/// A run of the campaign, whatever the number of its requests.
 #[derive(Debug)]
 pub(crate) struct Job {
     /// The first request for it, without effects of amplitude 0.
@@ -19,7 +19,7 @@ pub(crate) struct Job {
 /// Requests sorted into runs.
 #[derive(Debug)]
 pub(crate) struct JobList {
-    /// The different runs, in the order in which they were asked for first.
+    /// The different runs, in the order of their first requests.
     pub(crate) jobs: Vec<Job>,
     /// For each request its run, or the reason for its refusal.
     pub(crate) of_request: Vec<Result<usize, SimulatorError>>,

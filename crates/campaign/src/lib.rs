@@ -1,7 +1,7 @@
 //! The simulator seen from outside, and lists of its runs done in parallel, once each.
 //!
 //! A [`Simulator`] turns a [`RunRequest`] into observables. A [`Campaign`] takes a list of
-//! requests, finds those that a [`crate::run_store::Store`] has already, does the rest on several
+//! requests, finds those that a [`crate::run_store::Store`] already has, does the others on several
 //! threads, and stores each as soon as it is finished. Lists that belong to one loop share a [`Pace`] with what
 //! lies ahead of them, so that the time left is that of the whole loop.
 //!

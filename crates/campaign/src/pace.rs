@@ -1,4 +1,4 @@
-//! How fast the runs of a loop go, and what is still ahead.
+//! Pace of the runs of a loop, and the remaining work.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -6,7 +6,7 @@ use std::time::Instant;
 /// The pace of all lists of one loop: measured time of the finished runs over their expected cost, when the loop began, and the
 /// length of the lists ahead.
 ///
-/// A list that shares it knows from its first moment how long its runs will take, once a run of any list before
+/// A list that shares it can estimate the time of its runs from the start, once a run of any earlier list
 /// is finished.
 #[derive(Debug)]
 pub struct Pace {
@@ -21,9 +21,9 @@ pub struct Pace {
 /// Length of the lists ahead, at least and at most, in costs of runs behind each other.
 #[derive(Debug, Clone, Copy, Default)]
 struct Ahead {
-    /// Of the present stage.
+    /// Lists of the present stage.
     stage: [f64; 2],
-    /// Of the stages behind it.
+    /// Lists of the following stages.
     later: [f64; 2],
 }
 
@@ -52,7 +52,7 @@ impl Pace {
         }
     }
 
-    /// Mean time of a run of cost 1 so far, s: the sum of the times over the sum of the costs; none before a
+    /// Mean time of a run of cost 1 so far, s: the sum of the times over the sum of the costs; `None` before a
     /// run is finished.
     pub fn seconds_per_cost(&self) -> Option<f64> {
         let sums = *self.measured.lock().unwrap_or_else(PoisonError::into_inner);
@@ -64,12 +64,12 @@ impl Pace {
         self.begin.elapsed().as_secs_f64()
     }
 
-    /// Says what is ahead: lists of the stage that begins, and of the stages behind it.
+    /// Sets the lists ahead: those of the stage that begins, and of the following stages.
     pub(crate) fn expect(&self, stage: [f64; 2], later: [f64; 2]) {
         *self.ahead.lock().unwrap_or_else(PoisonError::into_inner) = Ahead { stage, later };
     }
 
-    /// Takes a list that begins off what is ahead of it.
+    /// Removes a list that begins from the lists ahead.
     pub(crate) fn begin_list(&self, length: f64) {
         let mut ahead = self.ahead.lock().unwrap_or_else(PoisonError::into_inner);
         ahead.stage = ahead.stage.map(|stage| (stage - length).max(0.0));

@@ -1,4 +1,4 @@
-//! How far a campaign is, and telling it.
+//! Progress of a campaign, and its reports.
 
 use std::fmt;
 use std::io::Write;
@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use crate::RunRequest;
 use crate::run_store::Record;
 
-/// How far a list of runs is, and the loop that it belongs to.
+/// Progress of a list of runs, and of its loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProgressState {
     /// Runs of the list that are over: reused, finished or failed.
@@ -23,13 +23,13 @@ pub struct ProgressState {
     pub running: usize,
     /// Time since the loop began, s.
     pub elapsed_s: f64,
-    /// Expected time of the runs to the end of the loop, later lists included, at least and at most, s: what is run depends on what is
-    /// found. None before the first run of the loop is finished.
+    /// Expected time of the runs to the end of the loop, later lists included, at least and at most, s: later runs depend on earlier
+    /// results. `None` before the first run of the loop is finished.
     pub left_s: Option<[f64; 2]>,
 }
 
 impl ProgressState {
-    /// The time to the end of the loop, in words.
+    /// The time to the end of the loop, as text.
     fn left(&self) -> String {
         match self.left_s {
             Some(left) => format!("{} of runs left", range_in_words(left)),
@@ -37,7 +37,7 @@ impl ProgressState {
         }
     }
 
-    /// The state in few words, so that it has room beside a bar in a line of 80 characters.
+    /// The state as a short text, which fits beside a bar in a line of 80 characters.
     fn short(&self) -> String {
         let Self {
             done,
@@ -69,21 +69,21 @@ impl fmt::Display for ProgressState {
 
 /// A listener; called by one thread at a time.
 pub trait Progress: Sync {
-    /// Hears the result of a run of a list: its record, which may have been in the store, or why it has none.
+    /// Receives the result of a run of a list: its record, which may have been in the store, or the reason for its absence.
     fn ended(&self, request: &RunRequest, result: Result<&Record, &str>) {
         let _ = (request, result);
     }
 
-    /// Hears how far the campaign is: once at the start and after each run.
+    /// Receives the progress of the campaign: once at the start and after each run.
     fn update(&self, state: &ProgressState);
 
-    /// Hears of something odd that does not stop the campaign.
+    /// Receives a warning that does not stop the campaign.
     fn warning(&self, text: &str) {
         let _ = text;
     }
 }
 
-/// A listener that says nothing.
+/// A listener that reports nothing.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Silent;
 
@@ -91,20 +91,20 @@ impl Progress for Silent {
     fn update(&self, _state: &ProgressState) {}
 }
 
-/// Least time between two lines of a list in a file, its first and last aside. Our choice: a campaign of a day leaves some
+/// Shortest time between two lines of a list in a file, except its first and last. Our choice: a campaign of a day writes some
 /// hundreds.
 const LEAST_PAUSE: Duration = Duration::from_mins(5);
 
 /// Marks of the bar.
 const BAR: usize = 20;
 
-/// A listener that tells in lines how far a campaign is.
+/// A listener that reports the progress of a campaign in lines.
 pub struct LineProgress {
     /// Text written so far, and its destination.
     output: Mutex<Output>,
 }
 
-/// Where lines go.
+/// Destination of lines.
 struct Output {
     /// Such as standard error.
     to: Box<dyn Write + Send>,
@@ -116,7 +116,7 @@ struct Output {
 
 impl LineProgress {
     /// Writes its lines to `output`, such as a file: the first and the last of each list, the first with an estimate of the
-    /// time left, and one in five minutes between. A failure to write is ignored, the runs matter more.
+    /// time left, and one in five minutes between. A failed write is ignored, because the runs matter more.
     pub fn new(output: impl Write + Send + 'static) -> Self {
         Self::with(output, false)
     }
@@ -187,7 +187,7 @@ impl Progress for LineProgress {
     }
 }
 
-/// A range of times, s, in words; one time where both ends read alike.
+/// A range of times, s, as text; a single time if both ends have the same text.
 pub fn range_in_words([least, most]: [f64; 2]) -> String {
     let [least, most] = [least, most].map(time_in_words);
     if least == most {
@@ -197,7 +197,7 @@ pub fn range_in_words([least, most]: [f64; 2]) -> String {
     }
 }
 
-/// A time, s, in the unit that reads best; one below 0 is 0.
+/// A time, s, in a readable unit; negative times are 0.
 pub fn time_in_words(seconds: f64) -> String {
     let seconds = seconds.max(0.0);
     if seconds < 90.0 {

@@ -7,7 +7,7 @@ use crate::board::Board;
 use crate::jobs::Job;
 use crate::{Campaign, Error};
 
-/// How often a record is looked up that others replace meanwhile.
+/// Number of attempts to read a record that others replace meanwhile.
 const LOOKS: usize = 4;
 
 impl Campaign<'_> {
@@ -36,7 +36,7 @@ impl Campaign<'_> {
         Ok(None)
     }
 
-    /// Finds what the store has, and orders the rest, longest first.
+    /// Finds the records of the store, and orders the other jobs, longest first.
     pub(crate) fn look_up(&self, jobs: &[Job]) -> Result<Board, Error> {
         let mut results = Vec::with_capacity(jobs.len());
         let warn = |text: &str| self.progress.warning(text);

@@ -16,7 +16,7 @@ use crate::SimulatorError;
 pub struct RunRequest {
     /// Name of the simulated model, such as a scene or a profile.
     pub model: String,
-    /// Declared parameters by name; the simulator's own value where one is absent.
+    /// Declared parameters by name; the simulator's own value if one is absent.
     pub parameters: BTreeMap<String, f64>,
     /// Conditions of the experiment by name, such as speed or filling.
     pub condition: BTreeMap<String, f64>,
@@ -27,7 +27,7 @@ pub struct RunRequest {
 }
 
 impl RunRequest {
-    /// Asks for a run of a model with nothing changed.
+    /// Requests a run of a model with nothing changed.
     pub fn new(model: &str, seed: u64) -> Self {
         Self {
             model: model.to_owned(),
@@ -84,20 +84,20 @@ impl RunRequest {
         needed(&self.condition, "condition", name)
     }
 
-    /// Gives the amplitude of an effect, 0 where it is off.
+    /// Gives the amplitude of an effect, 0 if it is off.
     pub fn effect(&self, name: &str) -> f64 {
         self.effects.get(name).copied().unwrap_or(0.0)
     }
 
-    /// The same run with effects of amplitude 0 left out, so that it has one key.
+    /// The same run without effects of amplitude 0, so that it has one key.
     pub(crate) fn normalised(&self) -> Self {
         let mut request = self.clone();
         request.effects.retain(|_, amplitude| *amplitude != 0.0);
         request
     }
 
-    /// Everything of the request but its seed, as JSON: what the key of its run is made of, besides version
-    /// and seed, where the simulator knows nothing better ([`crate::Simulator::inputs`]).
+    /// Everything of the request but its seed, as JSON: the content of the key of its run, besides version
+    /// and seed, unless the simulator defines its own ([`crate::Simulator::inputs`]).
     pub fn inputs(&self) -> Value {
         serde_json::json!({
             "model": self.model,
@@ -144,7 +144,7 @@ impl RunOutcome {
     }
 }
 
-/// Looks up a value that must be there.
+/// Looks up a required value.
 fn needed(
     values: &BTreeMap<String, f64>,
     kind: &'static str,

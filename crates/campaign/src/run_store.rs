@@ -1,7 +1,7 @@
 //! Records of finished runs under a content key, written whole or not at all.
 //!
 //! A store is one folder with one file per finished run. The name of the file is the key of the
-//! run: a hash of what the run depends on (code version, inputs, seed), so a run that was done is
+//! run: a hash of everything that the run depends on (code version, inputs, seed), so a finished run is
 //! found again and a run that differs in anything is not.
 //!
 //! ```
@@ -18,13 +18,13 @@
 //! # }
 //! ```
 //!
-//! Those who share a folder tell each other by claims what they are at ([`Store::claim`]).
+//! Processes that share a folder claim their runs ([`Store::claim`]).
 //!
 //! Invariants:
 //! - a record file is complete or absent, whatever kills the process and whoever else writes;
-//! - what was altered after it was written is never taken for a record, and never deleted;
+//! - a file that was altered after it was written is never read as a record, and never deleted;
 //! - the key does not depend on the order of map keys, nor on whether 1 was written 1.0;
-//! - nothing that is not a finite number gets in.
+//! - only finite numbers are stored.
 
 mod canonical;
 mod claim;

@@ -1,4 +1,4 @@
-//! Doing a list of runs, once each, on several threads.
+//! Execution of a list of runs, once each, on several threads.
 
 use crate::run_store::{CLAIM_LIFE, Record, Store};
 use std::fmt;
@@ -16,19 +16,19 @@ use crate::{Error, Pace, Progress, RunRequest, Simulator};
 /// Runs lists of requests against a store.
 #[derive(Clone, Copy)]
 pub struct Campaign<'a> {
-    /// Where records are looked up and kept.
+    /// The store of the records.
     pub(crate) store: &'a Store,
     /// Number of runs at a time.
     pub(crate) threads: usize,
-    /// Who hears of it.
+    /// The listener.
     pub(crate) progress: &'a dyn Progress,
-    /// Raised by someone who wants no further run to start.
+    /// Raised to stop: no further run starts.
     pub(crate) stop: Option<&'a AtomicBool>,
     /// Measured and expected work of the lists of one loop; if absent, each list is estimated alone.
     pub(crate) pace: Option<&'a Pace>,
     /// Longest wait for the runs of others; `None` is without limit.
     pub(crate) wait: Option<Duration>,
-    /// Time after which the claim on a run is dead that nobody renews.
+    /// Time after which a claim without renewal is dead.
     pub(crate) claim_life: Duration,
 }
 
@@ -56,8 +56,8 @@ impl<'a> Campaign<'a> {
         }
     }
 
-    /// Honours a flag: once it is true no further run begins. Running ones are finished where the simulator does not honour the
-    /// flag as well; one that it breaks off counts as not done.
+    /// Honours a flag: once it is true no further run begins. Running ones are finished unless the simulator honours the
+    /// flag as well; a run that it interrupts counts as not done.
     #[must_use]
     pub fn with_stop(mut self, stop: &'a AtomicBool) -> Self {
         self.stop = Some(stop);
@@ -72,7 +72,7 @@ impl<'a> Campaign<'a> {
         self
     }
 
-    /// Says what is planned from here on, where the lists share a pace: the [length](Self::length_of) of all lists of the stage that
+    /// Sets the plan from here on, if the lists share a pace: the [length](Self::length_of) of all lists of the stage that
     /// begins, and of the stages behind it, at least and at most. The time left is then that of the whole loop. Each list of the
     /// stage takes its own length off when it begins.
     pub fn expect(&self, stage: [f64; 2], later: [f64; 2]) {
@@ -88,7 +88,7 @@ impl<'a> Campaign<'a> {
     }
 
     /// Limits the time that this campaign waits, without a run of its own, for runs that others do in the same folder; by
-    /// default it waits for their end. A limit below [`CLAIM_LIFE`] would leave the runs of a machine that died to nobody.
+    /// default it waits for their end. With a limit below [`CLAIM_LIFE`] nobody would do the runs of a machine that died.
     #[must_use]
     pub fn with_wait(mut self, wait: Option<Duration>) -> Self {
         self.wait = wait;
@@ -105,8 +105,8 @@ impl<'a> Campaign<'a> {
 
     /// Gives the record of every request, in the order of the requests.
     ///
-    /// Requests that are the same run (same inputs, as the simulator states them, and seed) are run once. What the
-    /// store has is not run again, and what another campaign in the same folder is at is left to it.
+    /// Requests that are the same run (same inputs, as the simulator states them, and seed) are run once. Runs in the
+    /// store are not repeated, and runs in progress in another campaign of the folder are left to it.
     ///
     /// # Errors
     ///

@@ -46,7 +46,7 @@ pub enum SimulatorError {
         /// The fault and the remedy.
         reason: String,
     },
-    /// The run began and broke off.
+    /// The run began and failed.
     #[error("the run failed: {reason}")]
     Failed {
         /// The reason.
@@ -55,10 +55,10 @@ pub enum SimulatorError {
     /// The run failed in another process that shares the folder.
     #[error("{reason}")]
     FailedElsewhere {
-        /// The process, and what happened there.
+        /// The process and its reason.
         reason: String,
     },
-    /// The simulator panicked, which is a bug of its.
+    /// The simulator panicked, which is a bug in it.
     #[error("the simulator panicked: {message}")]
     Panicked {
         /// Its message.

@@ -1,9 +1,9 @@
-//! How long the rest of a campaign will take.
+//! Time to the end of a campaign.
 
 /// Data of the estimate; costs in the simulator's relative unit.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Workload {
-    /// Measured time of the finished runs of the loop over their cost, s; none before one is finished.
+    /// Measured time of the finished runs of the loop over their cost, s; `None` before one is finished.
     pub(crate) pace_s: Option<f64>,
     /// Running ones: cost.
     pub(crate) cost_running: Vec<f64>,

@@ -1,4 +1,4 @@
-//! The threads of a campaign: each takes the next run that nobody does.
+//! The threads of a campaign: each takes the next unclaimed run.
 
 use crate::run_store::{Holder, Record};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -19,7 +19,7 @@ const SHORT_PAUSE: Duration = Duration::from_millis(5);
 enum Next {
     /// Begins a job, if no other campaign does it; one that another campaign did when it was met last.
     Ask(usize, Option<Elsewhere>),
-    /// Waits for what others are at.
+    /// Waits for the runs of others.
     Wait(Duration),
     /// Ends.
     End,
@@ -27,13 +27,13 @@ enum Next {
 
 /// Result of beginning a job.
 enum Outcome {
-    /// The store had its record by then.
+    /// The store already had its record.
     Found(Record),
     /// Another campaign does it.
     Elsewhere(Holder),
-    /// Another campaign has tried it in vain.
+    /// It failed in another campaign.
     Failed(Failure),
-    /// It was run, in so many seconds.
+    /// It was run; the time in seconds.
     Ran(Result<Record, Failure>, f64),
     /// The store could not be read.
     Unreadable(crate::run_store::Error),
@@ -45,16 +45,16 @@ pub(crate) struct Hall<'h> {
     pub(crate) simulator: &'h dyn Simulator,
     /// The jobs of the list.
     pub(crate) jobs: &'h [Job],
-    /// How far each is.
+    /// Progress of each.
     pub(crate) board: &'h Mutex<Board>,
-    /// How fast they go.
+    /// Their pace.
     pub(crate) pace: &'h Pace,
     /// Claims them.
     pub(crate) keeper: &'h Keeper<'h>,
 }
 
 impl Campaign<'_> {
-    /// Has some workers do all jobs.
+    /// Does all jobs with some workers.
     pub(crate) fn work_all(&self, hall: &Hall<'_>, workers: usize) {
         std::thread::scope(|scope| {
             if workers > 0 && self.store.folder().is_some() {
@@ -112,7 +112,7 @@ impl Campaign<'_> {
         board.broken || self.is_stopped()
     }
 
-    /// Whether someone wants the campaign to end.
+    /// Whether the campaign should end.
     fn is_stopped(&self) -> bool {
         self.stop.is_some_and(|flag| flag.load(Ordering::SeqCst))
     }

@@ -1,4 +1,4 @@
-//! Claims: who does which run, so that all who share a folder do each run once.
+//! Claims: which process does which run, so that the processes of a folder do each run once.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -18,14 +18,14 @@ use crate::run_store::machine::has_ended;
 use crate::run_store::{Error, names};
 
 /// Time without renewal after which a claim is dead: long against the pauses of a busy file server, short against a
-/// run. Our choice; twice of it makes others wait twice as long for the runs of a machine that died.
+/// run. Our choice; with twice this time others wait twice as long for the runs of a machine that died.
 pub const CLAIM_LIFE: Duration = Duration::from_mins(1);
 
-/// Longest life that the claim of another is believed to have.
+/// Longest accepted lifetime of another claim.
 const LONGEST_LIFE_S: f64 = 86_400.0;
-/// Most bytes of a claim that are read.
+/// Largest number of bytes of a claim that are read.
 const LONGEST_CLAIM: u64 = 4096;
-/// How often a claim is tried for while others come and go.
+/// Number of attempts to claim a run while others claim and release it.
 const ATTEMPTS: usize = 8;
 /// How often, and how far apart, a late owner tries to lock its claim before it leaves it to die.
 const LATE_ATTEMPTS: usize = 20;
@@ -35,15 +35,15 @@ const LATE_PAUSE: Duration = Duration::from_millis(5);
 /// Result of trying to claim a run.
 #[derive(Debug)]
 pub enum Attempt {
-    /// The run is ours to do.
+    /// This process may do the run.
     Won(Claim),
-    /// Another does it.
+    /// Another process does it.
     Taken(Holder),
     /// A store in memory needs no claims.
     NotNeeded,
 }
 
-/// Who holds a claim, as far as it tells.
+/// Owner of a claim, as far as the claim contains it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Holder {
     /// Host and number of the process; `None` if the claim does not contain them.
@@ -78,11 +78,11 @@ impl fmt::Display for Holder {
 struct Owner {
     /// Name of the host.
     host: String,
-    /// In which the number of the process means something.
+    /// Space in which the process number is unique.
     process_space: String,
     /// Number of the process.
     process: u32,
-    /// Tells this claim from all others.
+    /// Distinguishes this claim from all others.
     token: String,
     /// Time without renewal after which it is dead, s.
     life_s: f64,
@@ -115,12 +115,12 @@ struct Seen {
 }
 
 impl Seen {
-    /// Who holds it, where it can be read.
+    /// Its owner, if it can be read.
     fn owner(&self) -> Option<Owner> {
         serde_json::from_slice(&self.bytes).ok()
     }
 
-    /// Who holds it at a time since 1970, for people.
+    /// Its owner at a time since 1970, as text.
     fn holder(&self, now: Duration) -> Holder {
         let owner = self.owner();
         let time = |work: Work| {
@@ -136,7 +136,7 @@ impl Seen {
     }
 }
 
-/// A run that this process has claimed. It must be renewed several times in its life; dropping it gives it back.
+/// A run that this process has claimed. It must be renewed several times in its life; dropping it releases it.
 #[derive(Debug)]
 pub struct Claim {
     /// Where it is.
@@ -149,7 +149,7 @@ pub struct Claim {
     life: Duration,
     /// When it was renewed last.
     renewed: Mutex<Instant>,
-    /// Set once it was given back.
+    /// Set once it was released.
     released: AtomicBool,
 }
 
@@ -189,7 +189,7 @@ impl Claim {
         Ok(true)
     }
 
-    /// Gives the run back: after its record is stored, or when it has failed.
+    /// Releases the run: after its record is stored, or when it has failed.
     pub fn release(&self) {
         if self.released.swap(true, Ordering::SeqCst) {
             return;
@@ -282,7 +282,7 @@ impl Folder {
         Ok(())
     }
 
-    /// Whether nobody keeps a claim alive; `life` counts where the claim does not tell its own.
+    /// Whether nobody keeps a claim alive; `life` is used if the claim does not contain its own.
     fn is_dead(&self, seen: &Seen, life: Duration) -> Result<bool, Error> {
         if self.has_lost_its_process(seen) {
             return Ok(true);

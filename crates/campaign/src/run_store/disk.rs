@@ -1,4 +1,4 @@
-//! The operations that a store asks of the disk, one by one, so that tests can have each of them go wrong.
+//! The operations that a store asks of the disk, one by one, so that tests can make each of them fail.
 
 use std::fs::{File, OpenOptions};
 use std::io::{Error, ErrorKind, Read as _, Result, Write as _};
@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Fault of an operation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
-    /// It fails once; the next one is sound again.
+    /// It fails once; the next one works again.
     Fails,
     /// The disk is full from there on: written files are cut in half, and no file can be made; reading, renaming and
     /// removing still work.
@@ -26,17 +26,17 @@ pub struct Disk {
     done: AtomicU64,
 }
 
-/// How far an operation may go.
+/// Allowed part of an operation.
 #[derive(Debug, PartialEq, Eq)]
 enum Completion {
-    /// To its end.
+    /// All of it.
     Whole,
-    /// Half of what it writes, where it writes.
+    /// Half of the bytes, if it writes.
     Half(ErrorKind),
 }
 
 impl Disk {
-    /// A disk whose operation of a number, from 0, goes wrong. For tests.
+    /// A disk whose operation with this number, from 0, fails. For tests.
     pub fn with_fault(fault: Fault, operation: u64) -> Self {
         Self {
             fault: Some((fault, operation)),
@@ -49,7 +49,7 @@ impl Disk {
         self.done.load(Ordering::SeqCst)
     }
 
-    /// Counts an operation, and says how far it may go.
+    /// Counts an operation, and returns its allowed part.
     fn begin(&self, takes_room: bool) -> Completion {
         let number = self.done.fetch_add(1, Ordering::SeqCst);
         let Some((fault, at)) = self.fault else {
@@ -98,7 +98,7 @@ impl Disk {
         self.whole(false, || std::fs::rename(from, to))
     }
 
-    /// Gives a file a second name, which nothing has yet.
+    /// Gives a file a second, unused name.
     pub(crate) fn link(&self, file: &Path, name: &Path) -> Result<()> {
         self.whole(true, || std::fs::hard_link(file, name))
     }
@@ -108,7 +108,7 @@ impl Disk {
         self.whole(false, || std::fs::remove_file(path))
     }
 
-    /// Reads at most so many bytes of an open file.
+    /// Reads at most this number of bytes of an open file.
     pub(crate) fn read(&self, file: &mut File, most: u64) -> Result<Vec<u8>> {
         self.whole(false, || {
             let mut bytes = Vec::new();

@@ -3,7 +3,7 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// Why a record was refused, or a store could not be read or written.
+/// Reason for a refused record, or for a store that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -20,7 +20,7 @@ pub enum Error {
     BadObservation {
         /// Name of the observable.
         name: String,
-        /// Which number of it.
+        /// Name of the number.
         field: &'static str,
         /// The number, in the unit of the observable.
         value: f64,
@@ -37,7 +37,7 @@ pub enum Error {
         /// The file.
         path: PathBuf,
     },
-    /// A record could not be put into words.
+    /// A record cannot be written as JSON.
     #[error("record {key} cannot be written as JSON")]
     Unwritable {
         /// Key of the record.
@@ -50,7 +50,7 @@ pub enum Error {
     Io {
         /// The attempted operation.
         action: &'static str,
-        /// On which file or folder.
+        /// The file or folder.
         path: PathBuf,
         /// The system's reason.
         source: std::io::Error,

@@ -1,4 +1,4 @@
-//! The folder of a store: its files, its clock, and what dead writers left in it.
+//! The folder of a store: its files, its clock, and the temporary files of dead writers.
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -13,14 +13,14 @@ use crate::run_store::error::io;
 use crate::run_store::machine::{Machine, has_ended};
 use crate::run_store::{Error, names};
 
-/// How often a write starts again after its aside file was swept away under it.
+/// Number of new attempts of a write whose temporary file was removed.
 const WRITE_ATTEMPTS: usize = 8;
-/// How long the time of the file system is taken from the last look at it.
+/// Time for which the last reading of the file system's clock is used.
 const CLOCK_LIFE: Duration = Duration::from_secs(1);
-/// Age from which on what another machine left is swept; chosen far above the time that any write takes.
+/// Age from which on files left by another machine are removed; chosen far above the time of any write.
 const FOREIGN_AGE: Duration = Duration::from_hours(24);
 
-/// Numbers the aside files of this process.
+/// Counter of the temporary files of this process.
 static ASIDE_NUMBER: AtomicU64 = AtomicU64::new(0);
 
 /// A folder that many processes on many machines may share.
@@ -39,7 +39,7 @@ pub(crate) struct Folder {
 }
 
 impl Folder {
-    /// Makes the folder where it is missing, and sweeps away what dead writers left.
+    /// Makes the folder if it is missing, and removes the temporary files of dead writers.
     pub(crate) fn open(path: &Path, disk: Disk) -> Result<Self, Error> {
         std::fs::create_dir_all(path).map_err(io("make folder", path))?;
         let folder = Self {
@@ -71,7 +71,7 @@ impl Folder {
             .collect()
     }
 
-    /// A name for a file that nobody else has or will have.
+    /// A unique name for a file.
     pub(crate) fn aside(&self, stem: &str) -> PathBuf {
         let number = ASIDE_NUMBER.fetch_add(1, Ordering::Relaxed);
         let machine = self.machine.label();
@@ -118,7 +118,7 @@ impl Folder {
         Ok(())
     }
 
-    /// Time of the file system, since 1970: what a file would be given that is written now. The clock of this machine
+    /// Time of the file system, since 1970: the time stamp of a file that is written now. The clock of this machine
     /// may differ from that of a file server.
     pub(crate) fn now(&self) -> Result<Duration, Error> {
         let mut last = self.clock.lock().unwrap_or_else(PoisonError::into_inner);
@@ -137,7 +137,7 @@ impl Folder {
         Ok(time)
     }
 
-    /// Removes an aside file whose writer lives no more.
+    /// Removes a temporary file whose writer has ended.
     fn sweep(&self, path: &Path) {
         let Ok(file) = open_plain(path, OpenOptions::new().write(true)) else {
             return;
@@ -161,9 +161,9 @@ impl Folder {
 /// Result of trying to lock a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Lock {
-    /// It is ours until the file is closed.
+    /// This process has the lock until the file is closed.
     Held,
-    /// Somebody else has it.
+    /// Another process has it.
     Busy,
     /// This file system has no locks.
     Unsupported,
@@ -198,7 +198,7 @@ pub(crate) fn open_plain(path: &Path, options: &OpenOptions) -> std::io::Result<
     ))
 }
 
-/// Has an opening refuse links, and not wait for the other end of a pipe.
+/// Makes an opening refuse links, and not wait for the other end of a pipe.
 #[cfg(unix)]
 fn without_links(options: &mut OpenOptions) {
     use rustix::fs::OFlags;
@@ -219,7 +219,7 @@ mod tests {
     use std::path::{Path, PathBuf};
     use std::time::Duration;
 
-    /// Leaves half a record of a writer, changed last so long ago.
+    /// Leaves half a record of a writer, last changed this long ago.
     fn leave(path: &Path, ago: Duration) -> File {
         std::fs::write(path, "{\"schema\": 3, \"ke").unwrap();
         let file = File::options().write(true).open(path).unwrap();

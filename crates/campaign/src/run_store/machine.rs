@@ -1,11 +1,11 @@
-//! Which machine this is, and which of its processes live.
+//! Identity of this machine, and its living processes.
 
 use crate::run_store::canonical::hexadecimal;
 
 /// Longest part of the name of a host that is used, so that names of files stay far below 255 bytes.
 const LONGEST_NAME: usize = 48;
 
-/// This machine as others on a shared folder can tell it from theirs.
+/// Identity of this machine for others on a shared folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Machine {
     /// Name of the host.
@@ -59,13 +59,13 @@ fn host_name() -> String {
         .into_owned()
 }
 
-/// Name of this host, which this system does not tell.
+/// Name of this host, which this system does not provide.
 #[cfg(not(unix))]
 fn host_name() -> String {
     "host".to_owned()
 }
 
-/// Whether a process of this machine is certainly no more: gone, or ended and only not yet buried by its parent.
+/// Whether a process of this machine has certainly ended, even if its parent has not yet waited for it.
 #[cfg(unix)]
 pub(crate) fn has_ended(process: u32) -> bool {
     let number = i32::try_from(process).unwrap_or(0);
@@ -82,7 +82,7 @@ pub(crate) fn has_ended(process: u32) -> bool {
         .is_some_and(|(_, rest)| rest.starts_with(['Z', 'X']))
 }
 
-/// Whether a process of this machine is certainly no more: this system does not tell.
+/// Whether a process of this machine has certainly ended: unknown on this system.
 #[cfg(not(unix))]
 pub(crate) fn has_ended(_process: u32) -> bool {
     false

@@ -1,4 +1,4 @@
-//! Who works in a folder: one kind of work at a time, shared by all who do the same.
+//! Owner of a folder: one kind of work at a time, shared by all processes that do the same.
 
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -23,12 +23,12 @@ pub(crate) fn folder_key() -> String {
 /// Result of a request for a folder, or for one run in it, for longer.
 #[derive(Debug)]
 pub enum Entry {
-    /// It is ours until the keeper is dropped; in a store in memory, or where the file system takes no claims, it always is.
+    /// This process owns it until the keeper is dropped; also in a store in memory, or if the file system takes no claims.
     Ours(ClaimKeeper),
     /// Another does the same work in the folder: the runs are shared by their claims. The folder is ours when the other has
     /// ended.
     Shared(ClaimKeeper, Holder),
-    /// Another does other work in the folder, or the same run.
+    /// Another process does other work in the folder, or the same run.
     Taken(Holder),
 }
 
@@ -44,8 +44,8 @@ pub struct ClaimKeeper {
 }
 
 impl Store {
-    /// Asks for the whole folder for some work, such as a digest of what a campaign is made of. One who does the same work
-    /// shares it. It is given back when the keeper is dropped, and taken over when the process has ended.
+    /// Requests the whole folder for some work, such as the digest of a campaign. Processes that do the same work
+    /// share it. It is released when the keeper is dropped, and taken over when the process has ended.
     ///
     /// # Errors
     ///
@@ -54,7 +54,7 @@ impl Store {
         self.ask(&folder_key(), work, true)
     }
 
-    /// Asks for one run, so that no other process does it meanwhile.
+    /// Requests one run, so that no other process does it meanwhile.
     ///
     /// # Errors
     ///
@@ -63,7 +63,7 @@ impl Store {
         self.ask(key, key, false)
     }
 
-    /// Asks for a claim and keeps it.
+    /// Requests a claim and keeps it.
     fn ask(&self, key: &str, work: &str, may_share: bool) -> Result<Entry, Error> {
         if !crate::run_store::names::is_key(key) {
             return Err(Error::BadKey {
@@ -119,7 +119,7 @@ impl ClaimKeeper {
     }
 }
 
-/// Renews a claim, or tries for it where it is another's. A folder that fails costs protection and no result.
+/// Renews a claim, or tries for it where it is another's. If the folder fails, the protection is lost but no result.
 fn keep(claim: &Mutex<Option<Claim>>, folder: &Arc<Folder>, key: &str, work: &str, life: Duration) {
     let mut claim = claim.lock().unwrap_or_else(PoisonError::into_inner);
     let is_ours = claim.as_ref().is_some_and(|c| c.renew().unwrap_or(true));

@@ -32,7 +32,7 @@ impl Observation {
     }
 }
 
-/// A finished run: what it depended on, and what came out.
+/// A finished run: everything that it depended on, and its results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Record {
@@ -107,7 +107,7 @@ impl Record {
         self
     }
 
-    /// Adds what else is worth keeping; it is not part of the key.
+    /// Adds further data; they are not part of the key.
     #[must_use]
     pub fn with_details(mut self, details: Value) -> Self {
         self.details = details;

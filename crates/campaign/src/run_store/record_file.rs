@@ -1,4 +1,4 @@
-//! The file of a record: its text with a digest, and reading it without believing anything.
+//! The file of a record: its text with a digest, and a reader that checks everything.
 
 use serde_json::Value;
 
@@ -9,7 +9,7 @@ use crate::run_store::{Error, Record, SCHEMA, run_key};
 ///
 /// # Errors
 ///
-/// [`Error::Unwritable`] when the record cannot be put into words.
+/// [`Error::Unwritable`] if the record cannot be written as JSON.
 pub(crate) fn to_bytes(record: &Record) -> Result<Vec<u8>, Error> {
     seal(record).map_err(|source| Error::Unwritable {
         key: record.key.clone(),
@@ -21,7 +21,7 @@ pub(crate) fn to_bytes(record: &Record) -> Result<Vec<u8>, Error> {
 ///
 /// # Errors
 ///
-/// Why the bytes are not this record: no record at all, of another schema, altered, or of another key.
+/// The fault of the bytes: no record at all, of another schema, altered, or of another key.
 pub(crate) fn from_bytes(bytes: &[u8], key: &str) -> Result<Record, String> {
     let mut value: Value = serde_json::from_slice(bytes).map_err(|why| why.to_string())?;
     let fields = value

@@ -1,4 +1,4 @@
-//! A digest of what a file holds, written beside it and checked before anything is believed.
+//! A digest of the content of a file, written with it and checked before the content is used.
 
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -8,15 +8,15 @@ use crate::run_store::canonical::{digest, hexadecimal};
 /// Name of the digest in a file.
 const DIGEST: &str = "digest";
 
-/// Name of the list of what the digest does not count.
+/// Name of the list of fields that the digest excludes.
 const UNCOUNTED: &str = "not_in_digest";
 
 /// Something with its digest.
 #[derive(Serialize)]
 struct Sealed<'a, T> {
-    /// SHA-256 of everything else in the file that counts, see [`digest`].
+    /// SHA-256 of all other fields of the file that it includes, see [`digest`].
     digest: &'a str,
-    /// Where the fields are that do not count.
+    /// Places of the excluded fields.
     #[serde(rename = "not_in_digest", skip_serializing_if = "<[_]>::is_empty")]
     uncounted: &'a [&'a str],
     /// The rest of the file.
@@ -28,13 +28,13 @@ struct Sealed<'a, T> {
 ///
 /// # Errors
 ///
-/// Something that has no form in JSON, or no names.
+/// A value that cannot be written as JSON, or that has no named fields.
 pub fn seal(content: &impl Serialize) -> Result<Vec<u8>, serde_json::Error> {
     seal_without(content, &[])
 }
 
-/// The same with fields that the digest does not count, such as times by the clock, each by its JSON pointer (`/cost/wall_s`,
-/// RFC 6901). The file lists them in `not_in_digest`, and the digest counts that list.
+/// The same with fields that the digest excludes, such as elapsed times, each by its JSON pointer (`/cost/wall_s`,
+/// RFC 6901). The file lists them in `not_in_digest`, and the digest includes that list.
 ///
 /// # Errors
 ///
@@ -95,7 +95,7 @@ fn counted(content: &Value, uncounted: &[&str]) -> Value {
     value
 }
 
-/// Takes the digest out of the fields of a file.
+/// Removes the digest from the fields of a file.
 pub(crate) fn take_digest(fields: &mut Map<String, Value>) -> Result<String, String> {
     match fields.remove(DIGEST) {
         Some(Value::String(told)) => Ok(told),
@@ -103,7 +103,7 @@ pub(crate) fn take_digest(fields: &mut Map<String, Value>) -> Result<String, Str
     }
 }
 
-/// Holds the content of a file against its digest.
+/// Compares the content of a file with its digest.
 pub(crate) fn check(content: &Value, told: &str) -> Result<(), String> {
     let found = digest(content).map_err(|why| why.to_string())?;
     if found == told {

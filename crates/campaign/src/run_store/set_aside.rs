@@ -1,4 +1,4 @@
-//! Moving what is not the record of its name out of the way, without losing it.
+//! Renaming of files that are not the record of their name, without losing them.
 
 use std::fs::OpenOptions;
 use std::io::ErrorKind;
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::run_store::error::io;
 use crate::run_store::{Error, names, record_file};
 
-/// Most files that are set aside under one name.
+/// Largest number of files that are set aside under one name.
 const MOST: usize = 10_000;
 
 /// Renames a damaged file to the first free one of `NAME.damaged`, `NAME.damaged-2`, ..., and gives the new name.
@@ -24,8 +24,8 @@ pub fn set_file_aside(path: &Path) -> Result<PathBuf, Error> {
     Ok(away)
 }
 
-/// Renames a file, or whatever else has its name, to one that no reader takes for a record. None when it is gone, or
-/// another process has put the record of the name in its place meanwhile: that one stays.
+/// Renames a file, or anything else with its name, to a name that no reader reads as a record. `None` if it is gone, or
+/// if another process has replaced it by the record of the name meanwhile: that record stays.
 pub(crate) fn set_aside(path: &Path, key: &str) -> Result<Option<PathBuf>, Error> {
     let Ok(kind) = path.symlink_metadata() else {
         return Ok(None);
@@ -73,7 +73,7 @@ fn reserve(path: &Path, is_folder: bool) -> Result<PathBuf, Error> {
     Err(io("create", &name)(ErrorKind::AlreadyExists.into()))
 }
 
-/// Gives a name back that holds nothing needed.
+/// Releases a name that holds nothing needed.
 fn unreserve(name: &Path) {
     // What stays is an empty file that no reader minds.
     let _ = std::fs::remove_file(name).or_else(|_| std::fs::remove_dir(name));

@@ -1,4 +1,4 @@
-//! The folder of records: looking up, and writing whole or not at all.
+//! The folder of records: look-up, and complete writes.
 
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
@@ -12,7 +12,7 @@ use crate::run_store::folder::Folder;
 use crate::run_store::set_aside::set_aside;
 use crate::run_store::{Attempt, Error, Record, names, record_file};
 
-/// How often a record is read that another machine replaces meanwhile.
+/// Number of attempts to read a record that another machine replaces meanwhile.
 const READ_ATTEMPTS: usize = 4;
 
 /// A folder of records, safe to share between threads, processes and machines; or records in memory alone.
@@ -27,7 +27,7 @@ pub struct Store {
 enum Place {
     /// One file each in a folder.
     Folder(Arc<Folder>),
-    /// In this process, by key; gone with it.
+    /// In the memory of this process, by key.
     Memory(Arc<Mutex<BTreeMap<String, Record>>>),
 }
 
@@ -38,8 +38,8 @@ pub enum Lookup {
     Found(Record),
     /// No record: the run is still to be done.
     Absent,
-    /// Something of this name is there and is not the record of the run: damaged, altered, renamed, of another schema,
-    /// or no file at all. To be told to the user and set aside ([`Store::set_aside`]); the run is still to be done.
+    /// A file with this name is not the record of the run: damaged, altered, renamed, of another schema,
+    /// or not a file at all. Report it to the user and set it aside ([`Store::set_aside`]); the run is still to be done.
     Damaged {
         /// The file.
         path: PathBuf,
@@ -49,10 +49,10 @@ pub enum Lookup {
 }
 
 impl Store {
-    /// Opens the store in a folder, makes the folder where it is missing, and sweeps away what
-    /// killed writers left.
+    /// Opens the store in a folder, makes the folder if it is missing, and removes the temporary files of
+    /// killed writers.
     ///
-    /// A writer holds a lock on its aside file, so that the aside files of living writers stay. Those of other machines
+    /// A writer holds a lock on its temporary file, so the files of living writers stay. Those of other machines
     /// stay for a day, by the clock of the file system.
     ///
     /// # Errors
@@ -73,7 +73,7 @@ impl Store {
         })
     }
 
-    /// Operations of the disk so far; none of a store in memory.
+    /// Operations of the disk so far; `None` for a store in memory.
     pub fn operations(&self) -> Option<u64> {
         self.shared_folder().map(|folder| folder.disk.operations())
     }
@@ -85,7 +85,7 @@ impl Store {
         }
     }
 
-    /// The folder of the store; none of one in memory.
+    /// The folder of the store; `None` for a store in memory.
     pub fn folder(&self) -> Option<&Path> {
         match &self.place {
             Place::Folder(folder) => Some(&folder.path),
@@ -93,7 +93,7 @@ impl Store {
         }
     }
 
-    /// The folder of the store with its claims; none of one in memory.
+    /// The folder of the store with its claims; `None` for a store in memory.
     pub(crate) fn shared_folder(&self) -> Option<&Arc<Folder>> {
         match &self.place {
             Place::Folder(folder) => Some(folder),
@@ -139,7 +139,7 @@ impl Store {
         Ok(record_file::from_bytes(&bytes, key).map_or_else(damaged, Lookup::Found))
     }
 
-    /// Writes a record: aside, forced to the disk, then renamed over its name.
+    /// Writes a record to a temporary file, forces it to the disk, then renames it.
     ///
     /// # Errors
     ///
@@ -154,12 +154,12 @@ impl Store {
         }
     }
 
-    /// Renames a file that is not the record of its name to one that no reader takes for a record, `KEY.json.damaged`
+    /// Renames a file that is not the record of its name to a name that no reader reads as a record, `KEY.json.damaged`
     /// or the first of `KEY.json.damaged-2`, `-3`, ... that is free. Nothing is overwritten, and a link is renamed, not
     /// followed.
     ///
-    /// Gives the new name. None when nothing is left to do: it is gone, or another process has put the record of the
-    /// name in its place meanwhile.
+    /// Returns the new name; `None` if the file is gone, or if another process has replaced it by the record of the
+    /// name meanwhile.
     ///
     /// # Errors
     ///
@@ -174,11 +174,11 @@ impl Store {
         }
     }
 
-    /// Tries to claim a run, so that others who share the folder leave it to this process. The owner renews the claim
-    /// several times in its `life`; one that was not renewed for so long, or whose process on this machine is no more,
+    /// Tries to claim a run, so that other processes of the folder leave it to this one. The owner renews the claim
+    /// several times in its `life`; a claim that was not renewed for this time, or whose process on this machine has ended,
     /// is dead and taken over.
     ///
-    /// Whoever wins a claim looks up the record once more: the last owner may have finished just before.
+    /// The new owner looks up the record again: the last owner may have finished just before.
     ///
     /// # Errors
     ///
@@ -206,7 +206,7 @@ impl Store {
         }
     }
 
-    /// Lists the keys of all record files, sorted; hidden files and those set aside are none.
+    /// Lists the keys of all record files, sorted, without hidden files and those set aside.
     ///
     /// # Errors
     ///
@@ -235,7 +235,7 @@ fn lock(records: &Mutex<BTreeMap<String, Record>>) -> MutexGuard<'_, BTreeMap<St
     records.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Refuses a text that has not the form of a key.
+/// Refuses a text without the form of a key.
 fn check_key(key: &str) -> Result<(), Error> {
     if names::is_key(key) {
         return Ok(());

@@ -1,11 +1,11 @@
-//! Files beside the records, written whole or not at all.
+//! Other files than records, written completely or not at all.
 
 use std::fs::{self, File};
 use std::io::{Result, Write as _};
 use std::path::Path;
 
-/// Writes a file aside, forces it to the disk, and renames it over its name: whoever looks finds the file of before or the
-/// whole new one, after a loss of power too.
+/// Writes a temporary file, forces it to the disk, and renames it: a reader finds the previous file or the
+/// complete new one, also after a loss of power.
 ///
 /// # Errors
 ///
@@ -28,7 +28,7 @@ pub fn write_whole_unsynced(path: &Path, bytes: &[u8]) -> Result<()> {
     write(path, bytes, |_| Ok(()))
 }
 
-/// Writes a file aside, does with it what is to be done before it has its name, and renames it.
+/// Writes a temporary file, calls a function on it, and renames it.
 fn write(path: &Path, bytes: &[u8], before_its_name: impl Fn(&File) -> Result<()>) -> Result<()> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let aside = path.with_file_name(format!(".{name}.{}.aside", std::process::id()));
