@@ -73,8 +73,8 @@ impl<'a> Campaign<'a> {
     }
 
     /// Sets the plan from here on, if the lists share a pace: the [length](Self::length_of) of all lists of the stage that
-    /// begins, and of the stages behind it, at least and at most. The time left is then that of the whole loop. Each list of the
-    /// stage takes its own length off when it begins.
+    /// begins, and of the following stages, at least and at most. The time left is then that of the whole loop. Each list of the
+    /// stage subtracts its own length when it begins.
     pub fn expect(&self, stage: [f64; 2], later: [f64; 2]) {
         if let Some(pace) = self.pace {
             pace.expect(stage, later);

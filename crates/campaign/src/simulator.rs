@@ -11,8 +11,8 @@ pub trait Simulator: Sync {
     fn version(&self) -> String;
 
     /// Everything that the result of the request depends on, besides the version and the seed, and nothing
-    /// else: two requests with the same inputs and seed are one run. No number in it may be other than
-    /// finite. The request itself where the simulator does not say.
+    /// else: two requests with the same inputs and seed are one run. All numbers in it must be
+    /// finite. By default the request itself.
     ///
     /// # Errors
     ///

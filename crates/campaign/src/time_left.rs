@@ -22,7 +22,7 @@ impl Workload {
     ///
     /// # Formula
     ///
-    /// (end of this list) + (length of the lists ahead) * (seconds per cost). None while there is work but no finished run to
+    /// (end of this list) + (length of the lists ahead) * (seconds per cost). `None` while there is work but no finished run to
     /// measure.
     pub(crate) fn time_left_s(&self) -> Option<[f64; 2]> {
         let list = self.list_left_s()?;

@@ -41,7 +41,7 @@ enum Outcome {
 
 /// State that all workers of a list read.
 pub(crate) struct Hall<'h> {
-    /// Does the runs.
+    /// The simulator of the runs.
     pub(crate) simulator: &'h dyn Simulator,
     /// The jobs of the list.
     pub(crate) jobs: &'h [Job],

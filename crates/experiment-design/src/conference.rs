@@ -123,7 +123,7 @@ fn doubled(half: &[Vec<f64>]) -> Vec<Vec<f64>> {
 mod tests {
     use super::conference_matrix;
 
-    /// The definition, in whole numbers and so exact.
+    /// Checks the definition; whole numbers make it exact.
     #[test]
     fn columns_are_orthogonal_with_zeros_on_the_diagonal_alone() {
         let offered: Vec<usize> = (1..=40)
