@@ -103,7 +103,6 @@ pub(crate) struct BenchTest<'a> {
 /// A wall of triangles by the name of its material.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct NamedMesh {
-    /// Name.
     pub(crate) name: String,
     /// Triangles at the start, m.
     pub(crate) triangles: Vec<[Vector3<f64>; 3]>,
@@ -116,9 +115,7 @@ pub(crate) struct NamedMesh {
 /// A wall by the name of its material.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct NamedWall {
-    /// Name.
     pub(crate) name: &'static str,
-    /// Shape.
     pub(crate) shape: Shape,
     /// Name of the material.
     pub(crate) material: String,

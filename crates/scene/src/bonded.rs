@@ -59,7 +59,6 @@ impl BondedSettings {
 /// The bonded seeds of a world.
 #[derive(Debug, Clone)]
 pub(crate) struct BondedSeeds {
-    /// The bonds.
     bonds: Bonds,
     /// Kind and first sphere of each seed.
     seeds: Vec<(usize, usize)>,

@@ -17,7 +17,6 @@ use std::sync::Arc;
 /// A world with what belongs to it.
 #[derive(Debug, Clone)]
 pub(crate) struct Built {
-    /// The world.
     pub(crate) world: World,
     /// The bodies of the seeds, by kind.
     pub(crate) bodies: Vec<Arc<SeedBody>>,

@@ -389,11 +389,13 @@ impl Scene {
         let own_names = own_names.chain(self.wall.iter().map(|w| ("wall.name", &w.name)));
         let own_names = own_names.chain(self.material.keys().map(|name| ("material", name)));
         for (key, name) in own_names.filter(|(_, name)| !is_name(name)) {
-            let requirement = "not empty, and without line breaks, commas and quotation marks: it stands in tables";
+            let requirement =
+                "not empty, and without line breaks, commas and quotation marks: tables hold it";
             found.push(bad(key, format!("{name:?}"), requirement));
         }
         for name in self.material.keys().filter(|name| name.contains('-')) {
-            let requirement = "without '-', which stands between the two materials of a contact: write _ or a blank";
+            let requirement =
+                "without '-', which separates the two materials of a contact: write _ or a blank";
             found.push(bad("material", format!("{name:?}"), requirement));
         }
         let seeds = self.seed.iter().map(|s| s.material.as_str());

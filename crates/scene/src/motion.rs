@@ -22,7 +22,6 @@ const AT_REST: f64 = 1e-4;
 /// How far a run has come: all that it goes on from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
-    /// The world.
     world: Snapshot,
     /// Its time when the drive started, s; none while the seeds settle.
     drive_since: Option<f64>,
@@ -57,7 +56,6 @@ impl Progress {
 
 /// A run between its start and its end.
 pub(crate) struct Running<'a> {
-    /// The scene.
     scene: &'a Scene,
     /// The world and what belongs to it.
     pub(crate) built: Built,

@@ -87,7 +87,6 @@ impl Placed {
 /// What leaves room for bodies.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Room<'a> {
-    /// The apparatus.
     pub(crate) apparatus: &'a Apparatus,
     /// Triangles of further walls, m.
     pub(crate) obstacles: &'a [[Vector3<f64>; 3]],

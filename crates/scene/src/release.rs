@@ -17,7 +17,6 @@ pub(crate) struct Released {
     pub(crate) built: Built,
     /// The seeds at the end.
     pub(crate) frame: Frame,
-    /// Observables.
     pub(crate) observables: Vec<ObservableValues>,
     /// Why they do not count as at rest; none where they rested before the limit.
     pub(crate) doubt: Option<Doubt>,

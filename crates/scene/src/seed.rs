@@ -104,7 +104,6 @@ pub struct FillingSettings {
 
 /// Smallest radius of the spheres of an ellipsoid over its shortest semi-axis.
 const ELLIPSOID_RADIUS: f64 = 0.25;
-/// Spheres of an ellipsoid.
 const ELLIPSOID_SPHERES: usize = 20;
 
 impl FillingSettings {

@@ -8,9 +8,9 @@ use crate::scenes::{Models, Scenes};
 use inference::{Candidate, Measurement};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Most candidates where the file names none: each costs runs.
+/// Most candidates if the file names none: each costs runs.
 const MOST_SUGGESTED: usize = 6;
-/// Work in the laboratory where the file names none, min: candidates are then compared by what they tell alone.
+/// Work in the laboratory if the file names none, min: candidates are then compared by their information alone.
 const MINUTES: f64 = 1.0;
 
 /// A condition of a scene that could be measured.
@@ -20,11 +20,11 @@ pub(crate) struct Offer<'a> {
     pub(crate) scene: &'a str,
     /// Settings of the scene.
     pub(crate) condition: BTreeMap<String, String>,
-    /// Its entry in the file; none where the measured conditions suggest it.
+    /// Its entry in the file; `None` if the measured conditions suggest it.
     pub(crate) entry: Option<&'a CandidateEntry>,
 }
 
-/// The candidates of a study, in the order of the file; suggested ones where it has no such table, none where its list
+/// The candidates of a study, in the order of the file; suggested ones if it has no such table, none if its list
 /// is empty.
 fn offers(file: &StudyFile) -> Vec<Offer<'_>> {
     let Some(entries) = &file.candidate else {
@@ -127,7 +127,7 @@ impl Offer<'_> {
         }
     }
 
-    /// Standard error of each observable that it would give, of those that the scene has; empty where it is invalid.
+    /// Standard error of each observable that it would give, of those that the scene has; empty if it is invalid.
     ///
     /// Without a standard deviation of its own an observable has the noise of the same one elsewhere in its scene, or, where
     /// the scene is not measured, in the others: the root mean square of the standard deviations and the harmonic mean of the

@@ -26,7 +26,7 @@ pub struct ComparedValue {
     pub published_sd: Option<f64>,
     /// Where it was published.
     pub source: String,
-    /// What was found here; none where no stage gave it.
+    /// What was found here; `None` if no stage gave it.
     pub found: Option<f64>,
     /// Its standard error.
     pub se: Option<f64>,
@@ -105,7 +105,7 @@ fn name_of(observable: &str, model: &Model) -> String {
     format!("{observable} of {}", name.replacen(" @ ", " at ", 1))
 }
 
-/// The observable and the number of its model; none where nothing fits, or several do.
+/// The observable and the number of its model; `None` if nothing fits, or several do.
 fn observable(name: &str, problem: &CalibrationProblem) -> Option<(String, usize)> {
     let name = name.trim();
     let (observable, place) = name.split_once(" of ")?;

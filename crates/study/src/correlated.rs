@@ -6,9 +6,9 @@ use crate::photos::PhotoSeries;
 use crate::problem::Problems;
 use inference::{Correlation, Measurement};
 
-/// The correlations of an entry by the numbers of its measurements; what the file states stands before what photos tell.
+/// The correlations of an entry by the numbers of its measurements; those of the file come before those of photos.
 ///
-/// A correlation of an observable that the entry does not give is told.
+/// A correlation of an observable that the entry does not give is reported.
 pub(crate) fn correlations_of(
     entry: &MeasuredEntry,
     series: Option<&PhotoSeries>,

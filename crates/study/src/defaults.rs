@@ -1,4 +1,4 @@
-//! What the study file left out, and what stands in its place.
+//! What the study file left out, and what is used instead.
 
 use crate::file::StudyFile;
 use inference::{Candidate, EffectProbe, LoopSettings};
@@ -10,7 +10,7 @@ use toml::Table;
 pub struct DefaultUsed {
     /// Key of the file.
     pub key: String,
-    /// What stands in its place.
+    /// What is used instead.
     pub value: String,
     /// Why that.
     pub why: String,
@@ -19,12 +19,10 @@ pub struct DefaultUsed {
 /// All of them, in the order of the file.
 #[derive(Debug, Default)]
 pub(crate) struct Defaults {
-    /// The list.
     pub(crate) list: Vec<DefaultUsed>,
 }
 
 impl Defaults {
-    /// Tells one.
     pub(crate) fn tell(&mut self, key: &str, value: &str, why: &str) {
         self.list.push(DefaultUsed {
             key: key.to_owned(),

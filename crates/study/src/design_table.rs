@@ -35,7 +35,7 @@ pub struct DesignChoices {
     pub design: PathBuf,
     /// The scene that is run.
     pub scene: PathBuf,
-    /// Table of the factors, where a column holds coded values alone or a factor has a unit.
+    /// Table of the factors, if a column holds coded values alone or a factor has a unit.
     pub factors: Option<PathBuf>,
     /// Which settings a column sets: `COLUMN=PATH[,PATH]`, with the unit of plain numbers behind: `W=rpm`,
     /// `W=apparatus.speed [rpm]`.
@@ -46,9 +46,9 @@ pub struct DesignChoices {
     pub set: Vec<String>,
     /// Columns that set nothing.
     pub keep: Vec<String>,
-    /// Runs of each row where the table has no column `replicates`; 1 where absent.
+    /// Runs of each row if the table has no column `replicates`; `None`: 1.
     pub replicates: Option<usize>,
-    /// Seed of the first run where the table has no column `seed`; the others take those that follow.
+    /// Seed of the first run if the table has no column `seed`; the others take those that follow.
     pub seed: u64,
 }
 
@@ -72,9 +72,9 @@ pub struct DesignTable {
     choices: DesignChoices,
     /// The table as it was read.
     table: Table,
-    /// Scenes by the name of the model: one for each combination of settings that are no numbers.
+    /// Scenes by the name of the model: one for each combination of settings that are not numbers.
     models: BTreeMap<String, Scene>,
-    /// What the parameters of the requests stand for.
+    /// The settings of each parameter of the requests.
     bindings: BTreeMap<String, Binding>,
     /// The runs, row by row.
     runs: Vec<DesignRun>,
@@ -229,7 +229,7 @@ fn scene_of(
                 file: "--set".to_owned(),
                 line: None,
                 what: format!("'{text}'"),
-                problem: "is no setting with its value: write NAME=VALUE, such as rpm=20"
+                problem: "is not a setting with its value: write NAME=VALUE, such as rpm=20"
                     .to_owned(),
             }),
         }

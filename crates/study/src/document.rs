@@ -16,6 +16,8 @@ use toml::{Spanned, Table, Value};
 const STEP: char = '\u{1f}';
 /// Key under which each item of a list `[[...]]` and each profile gets its own path before it is read.
 pub(crate) const PATH: &str = "(path)";
+/// Mistakes after which a file is read no further: each takes a reading of the whole.
+const MOST_MISTAKES: usize = 100;
 /// Most letters of a value in a message.
 const SHOWN: usize = 60;
 
@@ -31,7 +33,7 @@ pub(crate) struct Document {
 }
 
 impl Document {
-    /// Parses a text, or reports all lines that are no TOML.
+    /// Parses a text, or reports all lines that are not TOML.
     pub(crate) fn parse(text: &str, file: &str) -> Result<Self, Vec<Problem>> {
         // Each key asks for its line: to count from the start each time takes minutes for a file of thousands.
         let ends: Vec<usize> = text.match_indices('\n').map(|(end, _)| end).collect();
@@ -175,6 +177,9 @@ impl Document {
             let Some(Culprit { path, taken: true }) = culprit else {
                 return (None, found);
             };
+            if found.count() >= MOST_MISTAKES {
+                return (None, found);
+            }
             taken_out.insert(path);
         }
     }

@@ -56,7 +56,7 @@ pub enum Error {
     /// The simulator is refused.
     #[error(transparent)]
     Simulator(Box<simulators::scene_simulator::Error>),
-    /// Another code is no simulator.
+    /// Another code cannot be used.
     #[error(transparent)]
     External(#[from] simulators::external_simulator::Error),
     /// A stage of the calibration failed.

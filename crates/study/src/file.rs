@@ -241,7 +241,9 @@ impl StudyFile {
     pub(crate) fn read(profile: Option<&str>, problems: &mut Problems) -> Self {
         let (file, found) = problems.document.read::<Self>("");
         problems.extend(found);
-        let mut file = file.unwrap_or_default();
+        let Some(mut file) = file else {
+            return Self::default();
+        };
         file.check(problems);
         if let Some(name) = profile {
             file.apply(name, problems);

@@ -97,7 +97,6 @@ pub fn write_hand_over(
     Ok(written)
 }
 
-/// A deck for LAMMPS.
 fn lammps_deck(
     scene: &Scene,
     fillings: &FillingLibrary,
@@ -107,7 +106,6 @@ fn lammps_deck(
     lammps::deck(scene, &bodies, &frame, time_step)
 }
 
-/// A deck for LIGGGHTS.
 fn liggghts_deck(
     scene: &Scene,
     fillings: &FillingLibrary,
@@ -147,7 +145,7 @@ pub fn write_result(path: &Path, result: &impl Serialize, clock: &[&str]) -> Res
     write(path, &bytes)
 }
 
-/// Writes a file whole or not at all, over one of an earlier run; makes its folder where it is missing.
+/// Writes a file whole or not at all, over one of an earlier run; makes its folder if it is missing.
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let refused = |reason: String| Error::Write {
         path: path.to_owned(),

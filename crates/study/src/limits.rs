@@ -2,7 +2,7 @@
 
 /// Largest coefficient of friction that the search tries by itself.
 ///
-/// A friction of 2 stands for a slope of 63 degrees between two surfaces; those of seeds and plates lie below 1.
+/// A friction of 2 is a slope of 63 degrees between two surfaces; those of seeds and plates are below 1.
 /// Our choice: doubling it lets a search out of reach go on for one box more.
 const MOST_FRICTION: f64 = 2.0;
 
@@ -18,7 +18,7 @@ pub(crate) const MOST: f64 = 1e15;
 /// 10 um being some 1e-22 kg m2; squares and reciprocals of squares are still exact. Our choice.
 pub(crate) const LEAST: f64 = 1e-30;
 
-/// Smallest ratio of a standard deviation to its mean, and of a range to the numbers that it lies between: nothing is measured to nine
+/// Smallest ratio of a standard deviation to its mean, and of a range to its ends: nothing is measured to nine
 /// digits, and the rounding of numbers is far below. Our choice.
 pub(crate) const LEAST_RATIO: f64 = 1e-9;
 
@@ -53,7 +53,7 @@ pub(crate) fn range_of(observable: &str) -> ([f64; 2], &'static str) {
     }
 }
 
-/// The limits of a setting by the last word of its path; none where nothing is known of it.
+/// The limits of a setting by the last word of its path; `None` if nothing is known of it.
 pub(crate) fn physical_limits(path: &str) -> Option<[f64; 2]> {
     match path.rsplit('.').next() {
         Some("static_friction" | "rolling_friction") => Some([0.0, MOST_FRICTION]),

@@ -18,7 +18,7 @@ pub struct NextRow {
     pub minutes: f64,
     /// Runs that a diagnosis with it does there at least.
     pub runs: usize,
-    /// Time of one core for these, s; none where the runs there told no time.
+    /// Time of one core for these, s; `None` if the runs there have no time.
     pub core_s: Option<f64>,
     /// What to add to the study file once it is measured.
     pub block: String,

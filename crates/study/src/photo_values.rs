@@ -24,7 +24,7 @@ pub(crate) const FILL: &str = "fill_level";
 /// Observables that are taken over only if the file names them.
 ///
 /// A run gives [`MEMORY`], [`SIZE`], [`WAITING`] and [`SPEED`] only if its bed moves so, or its frames lie close enough; a fit that
-/// asks for one of them loses each run without it. [`FILL`] is what the scene is told (number or mass of its seeds): fitted, a
+/// asks for one of them loses each run without it. [`FILL`] is an input of the scene (number or mass of its seeds): if it is fitted, a
 /// small mistake of that input moves the parameters by many standard errors, since pictures show it to a thousandth.
 pub(crate) const IF_NAMED: [&str; 5] = [FILL, MEMORY, SIZE, WAITING, SPEED];
 /// All observables that photos of drums and heaps give.
@@ -44,10 +44,10 @@ pub(crate) const OF_PHOTOS: [&str; 12] = [
 ];
 /// Scatter, over the mean, of values that are the same but for the rounding of their mean.
 const ROUNDING: f64 = 1e-12;
-/// Fewest independent frames that tell a standard deviation: it is known to a third then.
+/// Fewest independent frames that give a standard deviation: it is then known to a third.
 const LEAST_FRAMES: f64 = 5.0;
 
-/// An observable that was taken over, and what stands for it in each frame; none in a frame that does not show it.
+/// An observable that was taken over, and its value in each frame; `None` in a frame that does not show it.
 type Column = (&'static str, Vec<Option<f64>>);
 
 /// What may be taken over, and how the frames follow each other.
@@ -59,11 +59,11 @@ pub(crate) struct Wanted<'a> {
     pub(crate) also: &'a [String],
     /// Observables that the file leaves out.
     pub(crate) leave_out: &'a [String],
-    /// Time between frames, s, where it is known.
+    /// Time between frames, s, if it is known.
     pub(crate) interval: Option<f64>,
 }
 
-/// The filling that photos show, if it is compared and not fitted: what the scene is told is judged by nobody, and a value that the
+/// The filling that photos show, if it is compared and not fitted: an input of the scene is not judged, and a value that the
 /// entry states counts instead.
 pub(crate) fn shown_fill(
     series: Option<&PhotoSeries>,
@@ -73,7 +73,7 @@ pub(crate) fn shown_fill(
     (!entry.values.contains_key(FILL)).then(|| (FILL.to_owned(), *value))
 }
 
-/// Takes over what frames, and the speeds of the surface between pictures (m/s) beside so many pairs that tell none, say.
+/// Takes over the observables of frames, and the speeds of the surface between pictures (m/s); `lost` pairs of pictures give none.
 ///
 /// # Errors
 ///
@@ -124,7 +124,7 @@ fn value_of(frame: Option<&FrameValues>, place: usize) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-/// Takes over the speeds of the surface; their column where every frame tells one.
+/// Takes over the speeds of the surface; their column if every frame gives one.
 fn speed(
     (speeds, lost): (&[f64], usize),
     frames: usize,
@@ -161,7 +161,7 @@ impl Wanted<'_> {
     }
 }
 
-/// Takes over an observable that not every run gives where the file names it, and says it otherwise; whether it was taken over.
+/// Takes over an observable that not every run gives if the file names it, and adds a remark otherwise. Returns whether it was taken over.
 fn tell(
     name: &'static str,
     value: MeasuredValue,
@@ -241,7 +241,7 @@ fn means(
     Ok(columns)
 }
 
-/// The k-th observable of the frames that show it; none where they tell no error of it.
+/// The k-th observable of the frames that show it; `None` if they give no error of it.
 fn value_from(
     (k, name): (usize, &str),
     summary: &SeriesSummary,
@@ -319,7 +319,7 @@ fn reading_error(frames: &[&FrameValues]) -> f64 {
     (squares.sum::<f64>() / frames.len().max(1) as f64).sqrt()
 }
 
-/// The standard deviation of the angle between frames, deg; none of too few. Its column are the squares about the mean, as the
+/// The standard deviation of the angle between frames, deg; `None` of too few. Its column holds the squares about the mean, as the
 /// standard deviation changes with each of them.
 ///
 /// # Formula

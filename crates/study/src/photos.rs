@@ -22,7 +22,7 @@ use surface_profile::Definition;
 pub struct PhotoSeries {
     /// The files, in the order in which they were read.
     pub files: Vec<PathBuf>,
-    /// The picture that tells what is hidden in each of them.
+    /// The picture that shows what is hidden in each of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mask: Option<PathBuf>,
     /// Angle of each frame that was read, deg.
@@ -34,7 +34,7 @@ pub struct PhotoSeries {
     pub left_out: Vec<String>,
     /// What was taken over from them.
     pub values: BTreeMap<String, MeasuredValue>,
-    /// What they tell besides, and was not taken over since the file does not name it.
+    /// What else they show, not taken over since the file does not name it.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub further: BTreeMap<String, MeasuredValue>,
     /// How their means go together, estimated from the frames and shrunk towards 0 where they are few
@@ -47,7 +47,7 @@ pub struct PhotoSeries {
 
 /// The quantities of one frame, and the standard error of its angle, rad.
 pub(crate) struct FrameValues {
-    /// Values by observable; not a number where the frame does not show it.
+    /// Values by observable; not a number if the frame does not show it.
     pub(crate) values: Vec<(&'static str, f64)>,
     /// Standard error of the first, in its unit.
     pub(crate) error: f64,
@@ -58,13 +58,13 @@ pub(crate) struct FrameValues {
 pub(crate) struct Shown<'a> {
     /// Whether it is a heap, and no drum.
     pub(crate) heap: bool,
-    /// Inner radius of the drum, m, where it is known.
+    /// Inner radius of the drum, m, if it is known.
     pub(crate) radius: Option<f64>,
     /// Observables that the scene gives.
     pub(crate) observables: &'a [&'a str],
 }
 
-/// That files have the bytes of one before them: a copy of a photo is no further one.
+/// A remark if files have the bytes of others: a copy of a photo is not another photo.
 fn copies(files: &[PathBuf]) -> Option<String> {
     let mut seen: BTreeMap<String, &PathBuf> = BTreeMap::new();
     let mut copies = Vec::new();
@@ -103,7 +103,7 @@ fn on_their_side(taken: Vec<(PathBuf, Posture)>) -> Vec<String> {
     words.collect()
 }
 
-/// Photos that cannot be read are named up to so many, the others counted.
+/// Most photos that cannot be read are named; the others are counted.
 const NAMED: usize = 5;
 /// Likewise where they are the reason why a study is refused.
 const NAMED_IN_REFUSAL: usize = 20;
@@ -112,9 +112,9 @@ const NAMED_IN_REFUSAL: usize = 20;
 /// long as the mean of the angle bears it ([`photo_profile::SelectionBias`]); beyond, all are refused.
 ///
 /// From two frames on, the standard deviation is that between the frames and n the effective number of independent ones
-/// ([`surface_profile::summarise`]). One frame tells no scatter: the standard deviation is then the standard error of its
+/// ([`surface_profile::summarise`]). One frame has no scatter: the standard deviation is then the standard error of its
 /// reading with n = 1, which leaves out how the angle changes from frame to frame; the shapes of the surface have no such
-/// error and are left out. Where the time between frames is known, the angle tells its avalanches and how long it is
+/// error and are left out. If the time between frames is known, the angle shows its avalanches and how long it is
 /// correlated with itself, and pictures that lie close enough the speed of the surface.
 ///
 /// Files are found in `folder`.
@@ -199,7 +199,7 @@ pub(crate) fn read(
     Ok(series)
 }
 
-/// Pictures that could not be read, a sentence each for so many of them.
+/// Pictures that could not be read, a sentence each for `most` of them.
 fn named(unread: &[String], most: usize) -> Vec<String> {
     let mut named: Vec<String> = unread.iter().take(most).cloned().collect();
     if unread.len() > most {
@@ -214,7 +214,7 @@ struct Reader<'a> {
     options: &'a PhotoOptions,
     /// The same for the ruler.
     settings: Settings,
-    /// Radius of the drum over the time between the pictures of a pair, m/s; none where no speed is asked or can be told.
+    /// Radius of the drum over the time between the pictures of a pair, m/s; `None` if no speed is asked for or can be found.
     speed_scale: Option<f64>,
     /// What is hidden in each picture.
     mask: Option<&'a Mask>,
@@ -227,9 +227,9 @@ struct Reader<'a> {
 struct Found {
     /// Pictures so far.
     pictures: usize,
-    /// The last picture that was measured, where the next one may tell how far its surface went.
+    /// The last picture that was measured, if the next one may show how far its surface went.
     before: Option<(PhotoPixels, PhotoReading)>,
-    /// What was measured; none of a picture that could not be.
+    /// What was measured; `None` of a picture that could not be.
     frames: Vec<Option<FrameValues>>,
     /// Which pictures could not be measured, and why, a sentence each.
     unread: Vec<String>,
@@ -237,7 +237,7 @@ struct Found {
     postures: Vec<(PathBuf, Posture)>,
     /// Speeds of the surface, m/s.
     speeds: Vec<f64>,
-    /// Why pairs tell no speed.
+    /// Why pairs give no speed.
     lost: Vec<String>,
 }
 
@@ -277,7 +277,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Reads one of so many pictures of each file, on all cores where no picture is compared with the one before it.
+    /// Reads every n-th picture of each file, on all cores if no picture is compared with the one before it.
     fn read_files(mut self, files: &[PathBuf], every: usize) -> Self {
         if self.speed_scale.is_some() || self.options.pair_interval.is_some() {
             for file in files {
@@ -303,7 +303,7 @@ impl<'a> Reader<'a> {
         self
     }
 
-    /// Reads one of so many pictures of a file. A file that ends early, or is none, counts as one picture that cannot be read.
+    /// Reads every n-th picture of a file. A file that ends early, or cannot be read, counts as one picture that cannot be read.
     fn read_file(&mut self, file: &Path, every: usize) {
         let frames = match read_frames(file) {
             Ok(frames) => frames,
@@ -330,7 +330,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Notes what a picture gave; the second of a pair tells a speed alone.
+    /// Notes what a picture gave; the second of a pair gives a speed alone.
     fn end_picture(&mut self, file: &Path, read: Result<Option<FrameValues>, String>) {
         self.found.pictures += 1;
         let is_second =

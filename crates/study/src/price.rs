@@ -1,4 +1,4 @@
-//! What a study would cost, told before the first run.
+//! What a study would cost, before the first run.
 
 use crate::Error;
 use crate::file::Budget;
@@ -56,7 +56,7 @@ pub struct Price {
     pub measured: bool,
     /// Most runs by the budget; none without one.
     pub most_runs: Option<usize>,
-    /// Why no result can count as met, whatever the runs show; none if one can.
+    /// Why no result can count as met, whatever the runs show; `None` if one can.
     pub cannot_be_met: Option<String>,
 }
 
@@ -158,7 +158,7 @@ fn requests(lists: &[RunList]) -> impl Iterator<Item = &RunRequest> {
     each.flat_map(|list| std::iter::repeat_n(&list.requests, list.times).flatten())
 }
 
-/// Time of one core that a run took, s; none where the store has no record of it, or the run was only seen anew by another
+/// Time of one core that a run took, s; `None` if the store has no record of it, or the run was only seen anew by another
 /// camera.
 fn seconds_of(
     simulator: &dyn Simulator,
@@ -192,13 +192,13 @@ fn most_runs(budget: Budget, runs: usize, core_s: f64) -> Option<usize> {
     budget.runs.or(by_time)
 }
 
-/// Time of one core, s. Where the system told no time of the processor, the wall time stands for it: a run of a study is
+/// Time of one core, s. If the system gives no time of the processor, it is the wall time: a run of a study is
 /// one thread.
 pub(crate) fn of_core(timing: &TimingDetails) -> f64 {
     timing.cpu_s.unwrap_or(timing.wall_s)
 }
 
-/// Mean time of one core of some runs in a store, s; none where none of them is known.
+/// Mean time of one core of some runs in a store, s; `None` if none of them is known.
 pub(crate) fn mean_core_seconds(store: &Store, keys: &[String]) -> Result<Option<f64>, Error> {
     let (mut sum, mut n) = (0.0, 0);
     for key in keys {

@@ -51,11 +51,10 @@ struct Cost<'a> {
     runs: usize,
     #[serde(flatten)]
     spent: TimeSpent,
-    /// By stage.
     stages: &'a [inference::StageCost],
 }
 
-/// The keys that are no part of the calibration.
+/// The keys beside those of the calibration.
 #[derive(Debug, Serialize)]
 struct Written<'a> {
     /// Name of the study.
@@ -77,7 +76,6 @@ struct Written<'a> {
     defaults: &'a [DefaultUsed],
     /// Effects left out.
     not_applicable: &'a BTreeMap<String, String>,
-    /// Cost.
     cost: Cost<'a>,
 }
 

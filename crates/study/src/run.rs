@@ -75,7 +75,7 @@ fn store_of(folder: &Path) -> Result<Option<Store>, Error> {
 /// What [`run_diagnosis`] would run, and what that takes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DiagnosisPrice {
-    /// Most runs at the candidates for the next measurement, where the diagnosis leaves a question, among the further ones; 0 where
+    /// Most runs at the candidates for the next measurement, if the diagnosis leaves a question, among the further ones; 0 if
     /// the budget does not allow them.
     pub at_candidates: usize,
     /// Runs and times.
@@ -117,7 +117,7 @@ pub fn plan_diagnosis(study: &Study, seed: u64, folder: &Path) -> Result<Diagnos
 
 /// Runs all stages of a study.
 ///
-/// `announce` is told each stage as it begins.
+/// `announce` gets each stage as it begins.
 ///
 /// # Errors
 ///

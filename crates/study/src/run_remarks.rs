@@ -42,7 +42,7 @@ mod tests {
     use super::of_model;
     use simulators::scene_simulator::RunDetails;
 
-    /// A run with nine angles and so many frames without a surface, and what was said of its files.
+    /// A run with nine angles and so many frames without a surface, and remarks on its files.
     fn run(refused: usize, remarks: &[&str]) -> RunDetails {
         serde_json::from_value(serde_json::json!({
             "steady": true, "start_up_s": null, "motion": null, "froude_number": null, "last_frame_png_base64": null,

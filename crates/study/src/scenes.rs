@@ -177,7 +177,7 @@ impl<'a> Scenes<'a> {
 }
 
 impl Setup {
-    /// The scene; none of a program of the user.
+    /// The scene; `None` of a program of the user.
     pub(crate) fn scene(&self) -> Option<&Scene> {
         match self {
             Self::Scene(scene) => Some(scene),

@@ -6,7 +6,7 @@ use input::quantity::{
 use scene::{Scene, setting_at};
 use toml::{Table, Value};
 
-/// Why a setting is no number in a unit; the way out is part of it.
+/// Why a setting is not a number in a unit, with the way out.
 pub(crate) type NoNumber = String;
 
 /// Every setting of a scene that has a value, as a table.
@@ -68,11 +68,11 @@ pub(crate) fn number(value: &Value, unit: Option<&str>) -> Result<f64, NoNumber>
             Some(unit) => in_unit(text, unit)
                 .ok_or_else(|| format!("is {text}, which has no value in '{unit}'")),
         },
-        other => Err(format!("is {other}, which is no number")),
+        other => Err(format!("is {other}, not a number")),
     }
 }
 
-/// A quantity in another unit of the same kind; none where the kinds differ.
+/// A quantity in another unit of the same kind; `None` if the kinds differ.
 fn in_unit(text: &str, unit: &str) -> Option<f64> {
     let one = format!("1 {unit}");
     macro_rules! of_kind {
@@ -101,7 +101,7 @@ mod tests {
     use super::number;
     use toml::Value;
 
-    /// 0.00045 m are 0.45 mm up to rounding; 2 kHz and 10 rpm are no lengths.
+    /// 0.00045 m are 0.45 mm up to rounding; 2 kHz and 10 rpm are not lengths.
     #[test]
     fn a_quantity_is_read_in_the_unit_of_the_parameter() {
         let text = |t: &str| Value::String(t.into());

@@ -20,7 +20,7 @@ pub enum StudySimulator {
 }
 
 impl StudySimulator {
-    /// Bodies that were made for its scenes; none where a program of the user knows them.
+    /// Bodies that were made for its scenes; `None` if a program of the user knows them.
     pub fn fillings(&self) -> Option<&FillingLibrary> {
         match self {
             Self::Own(scenes) => Some(scenes.fillings()),

@@ -38,7 +38,7 @@ impl<'a> Spending<'a> {
     }
 }
 
-/// Time of one core that the runs in a store took, s, and where it went. What is no record is left out, and runs of other
+/// Time of one core that the runs in a store took, s, and where it went. Other files are left out, and runs of other
 /// programs have no phases.
 pub(crate) fn core_seconds(store: &Store) -> Result<(f64, PhaseTimes), Error> {
     let (mut sum, mut phases) = (0.0, PhaseTimes::default());

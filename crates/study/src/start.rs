@@ -8,7 +8,6 @@ use std::path::Path;
 /// The part of a `result.json` that is read.
 #[derive(serde::Deserialize)]
 struct ResultFile {
-    /// Its parameters.
     parameters: Vec<Found>,
     /// Its inputs.
     #[serde(default)]
@@ -18,9 +17,7 @@ struct ResultFile {
 /// A parameter of a `result.json`.
 #[derive(serde::Deserialize)]
 struct Found {
-    /// Symbol.
     symbol: String,
-    /// Unit.
     unit: String,
     /// Estimate.
     value: f64,
@@ -101,7 +98,7 @@ fn of_result(file: &Path) -> Result<Values, Error> {
         ))
     })?;
     let result: ResultFile = serde_json::from_value(value)
-        .map_err(|why| wrong(format!("is no result of a calibration: {why}")))?;
+        .map_err(|why| wrong(format!("is not the result of a calibration: {why}")))?;
     let all = result.parameters.into_iter().chain(result.inputs);
     Ok(all.map(|p| (p.symbol, (p.unit, p.value))).collect())
 }

@@ -146,9 +146,7 @@ impl<'a> Shape<'a> {
 
 /// A body at a place.
 struct Body {
-    /// Its kind.
     kind: usize,
-    /// Its capsule.
     capsule: Placed,
     /// How it is turned.
     turn: UnitQuaternion<f64>,

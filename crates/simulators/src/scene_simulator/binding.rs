@@ -68,8 +68,9 @@ pub(crate) fn has_setting(
     unit: Option<&str>,
 ) -> Result<bool, scene::Error> {
     let setting = match scene.named_setting(path) {
-        Ok(setting) => setting,
-        Err(scene::Error::UnknownSetting { .. }) => return Ok(false),
+        // A short name that brings its own unit takes no other.
+        Ok(setting) if setting.unit.is_none() => setting,
+        Ok(_) | Err(scene::Error::UnknownSetting { .. }) => return Ok(false),
         Err(error) => return Err(error),
     };
     let requirement = match (setting.kind, unit) {

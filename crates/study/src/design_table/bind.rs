@@ -42,7 +42,7 @@ pub(super) fn binds(texts: &[String], problems: &mut Problems) -> BTreeMap<Strin
         };
         if binds.contains_key(&column) {
             wrong(format!(
-                "is the second word on column '{column}': name all its settings at once, {column}=PATH,PATH"
+                "is the second setting of column '{column}': name all its settings at once, {column}=PATH,PATH"
             ));
             continue;
         }

@@ -10,9 +10,8 @@ pub(super) enum Change {
     Number {
         /// Name of the parameter.
         symbol: String,
-        /// Its value.
         value: f64,
-        /// Its unit; none of a plain number.
+        /// Its unit; `None` of a plain number.
         unit: Option<String>,
     },
     /// A word or a switch, by a scene of its own.
@@ -96,17 +95,17 @@ fn natural(value: f64, setter: &Setter) -> Result<f64, String> {
     if natural.is_finite() {
         Ok(natural)
     } else {
-        Err("stands for no finite value of its factor: correct it".to_owned())
+        Err("has no finite natural value: correct it".to_owned())
     }
 }
 
 /// A finite number without unit.
 fn plain_number(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|x: &f64| x.is_finite());
-    number.ok_or_else(|| "is no finite number: correct it, or leave the row out".to_owned())
+    number.ok_or_else(|| "is not a finite number: correct it, or leave the row out".to_owned())
 }
 
-/// A number and the unit behind it; none of anything else.
+/// A number and the unit behind it; `None` of any other text.
 fn number_and_unit(text: &str) -> Option<(f64, &str)> {
     // The longest beginning that is a number: `1e3 Pa` is 1e3, `5 e` is 5.
     let ends = text.char_indices().map(|(i, c)| i + c.len_utf8());

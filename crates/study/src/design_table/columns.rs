@@ -21,7 +21,7 @@ pub(super) const REPLICATES: &str = "replicates";
 /// The column of the seed of a row.
 pub(super) const SEED: &str = "seed";
 
-/// What a column stands for.
+/// The role of a column.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Role {
     /// Nothing that a run depends on.
@@ -50,21 +50,21 @@ pub(super) struct Setter {
     pub(super) paths: Vec<String>,
     /// What all of them take.
     pub(super) kind: SettingKind,
-    /// Unit of plain numbers in the column; none where the settings are no quantities, or each cell has its unit.
+    /// Unit of plain numbers in the column; `None` if the settings are not quantities, or each cell has its unit.
     pub(super) unit: Option<String>,
-    /// The factor whose coded values the column holds; none where it holds natural ones.
+    /// The factor whose coded values the column holds; `None` if it holds natural ones.
     pub(super) coded: Option<Factor>,
 }
 
 /// All columns.
 #[derive(Debug)]
 pub(super) struct Columns {
-    /// Their roles, in the order of the header; none where a column is wrong.
+    /// Their roles, in the order of the header; `None` if a column is wrong.
     pub(super) roles: Vec<Option<Role>>,
 }
 
 impl Columns {
-    /// Finds what each column stands for.
+    /// Finds the role of each column.
     pub(super) fn read(
         choices: &DesignChoices,
         table: &Table,
@@ -107,9 +107,7 @@ struct Reader<'a> {
     known: Vec<String>,
     /// Names that the results need.
     of_results: Vec<String>,
-    /// The table.
     table: &'a Table,
-    /// The scene.
     scene: &'a Scene,
     /// Factors by symbol.
     factors: &'a BTreeMap<String, Factor>,
@@ -132,7 +130,7 @@ impl Reader<'_> {
         self.table.header().iter().position(|column| column == name)
     }
 
-    /// Refuses names that stand twice, that the results use, or that no column has.
+    /// Refuses names that are there twice, that the results use, or that no column has.
     fn check_names(&self, problems: &mut Problems) {
         let header = self.table.header();
         for (i, name) in header.iter().enumerate() {
@@ -140,7 +138,7 @@ impl Reader<'_> {
                 let problem = format!("(number {}) has no name: give it one", i + 1);
                 problems.add(self.wrong(i, problem));
             } else if header[..i].contains(name) {
-                let problem = "stands twice: give each column its own name".to_owned();
+                let problem = "is there twice: give each column its own name".to_owned();
                 problems.add(self.wrong(i, problem));
             }
             if self.of_results.contains(name) {
@@ -165,7 +163,7 @@ impl Reader<'_> {
         }
     }
 
-    /// What a column stands for; none where it is wrong.
+    /// The role of a column; `None` if it is wrong.
     fn role(&self, column: usize, problems: &mut Problems) -> Option<Role> {
         let name = &self.table.header()[column];
         let factor = name.strip_suffix("_natural").unwrap_or(name);
@@ -193,7 +191,7 @@ impl Reader<'_> {
         setter.map(Role::Sets)
     }
 
-    /// The unit of a factor, where it is known and has one.
+    /// The unit of a factor, if it is known and has one.
     fn factor_unit(&self, symbol: &str) -> Option<String> {
         let unit = self.factors.get(symbol).map(Factor::unit);
         unit.filter(|unit| *unit != "1").map(str::to_owned)
@@ -235,7 +233,7 @@ impl Reader<'_> {
         Some(setter)
     }
 
-    /// Whether each cell of a column has a unit, and so is no coded value.
+    /// Whether each cell of a column has a unit, and so is not a coded value.
     fn all_cells_carry_units(&self, column: usize) -> bool {
         let mut rows = self.table.rows().iter();
         rows.all(|row| carries_unit(row.text(column)))
@@ -298,7 +296,7 @@ impl Reader<'_> {
         }
         if self.binds.contains_key(symbol) {
             return format!(
-                "is bound to '{name}', which is no setting of {file}; near names are {like}"
+                "is bound to '{name}', which {file} does not have; near names are {like}"
             );
         }
         let is_factor = self.factors.contains_key(symbol)
@@ -311,7 +309,7 @@ impl Reader<'_> {
             );
         }
         format!(
-            "is no setting of {file}; near names are {like}: correct it, say what it sets with --bind {symbol}=PATH, \
+            "is not a setting of {file}; near names are {like}: correct it, say what it sets with --bind {symbol}=PATH, \
              or keep it unused with --keep {symbol}"
         )
     }
@@ -348,7 +346,7 @@ impl Reader<'_> {
                     format!("say --bind '{symbol}={path} [{unit}]', or state it in --factors")
                 };
                 Err(format!(
-                    "sets '{path}', a quantity ({there}), with numbers whose unit nobody states: {way_out}"
+                    "sets '{path}', a quantity ({there}), with numbers without a unit: {way_out}"
                 ))
             }
             _ => Ok(()),

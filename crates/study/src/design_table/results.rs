@@ -23,7 +23,7 @@ pub(super) fn names_of(scene: &Scene) -> Vec<String> {
 
 impl DesignTable {
     /// The results as a table: one row for each run, in the order of the design, with all its columns, then
-    /// `repeat`, `seed`, `regime`, `steady`, the mean of each observable, `standard_error_deg` of the angle where a run
+    /// `repeat`, `seed`, `regime`, `steady`, the mean of each observable, `standard_error_deg` of the angle if a run
     /// has one, the `key` of the record, and the `problem` of a run that has none, or no surface to read an angle from. What a run does not have is empty.
     ///
     /// `outcomes` are those of [`DesignTable::run`], in the order of the runs.
@@ -79,7 +79,7 @@ fn word(value: Option<impl ToString>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }
 
-/// Whether the bed of a run was steady; none where there is no such state.
+/// Whether the bed of a run was steady; `None` if there is no such state.
 fn steady(record: &Record) -> Option<bool> {
     RunDetails::of(record).ok()?.steady
 }

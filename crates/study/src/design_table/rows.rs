@@ -21,7 +21,7 @@ const AGREES: f64 = 1e-9;
 pub(super) struct Asked {
     /// Scenes by the name of the model.
     pub(super) models: BTreeMap<String, Scene>,
-    /// What the parameters stand for.
+    /// The settings of each parameter.
     pub(super) bindings: BTreeMap<String, Binding>,
     /// The runs, row by row.
     pub(super) runs: Vec<DesignRun>,
@@ -31,11 +31,9 @@ pub(super) struct Asked {
 struct Reader<'a> {
     /// What was chosen.
     choices: &'a DesignChoices,
-    /// The table.
     table: &'a Table,
-    /// The scene.
     scene: &'a Scene,
-    /// What the columns stand for.
+    /// The roles of the columns.
     columns: &'a Columns,
     /// Whether all columns are right, so that a whole row can be judged and not its cells alone.
     sound: bool,
@@ -47,7 +45,6 @@ struct Cell<'a> {
     column: usize,
     /// What its column sets.
     setter: &'a Setter,
-    /// The change.
     change: Change,
 }
 
@@ -86,7 +83,7 @@ impl Asked {
             for repeat in 1..=repeats {
                 let seed = first.and_then(|first| first.checked_add(repeat as u64 - 1));
                 let Some(seed) = seed else {
-                    let problem = "has seeds beyond 2^64: take smaller ones".to_owned();
+                    let problem = "seed exceeds 2^64 - 1: use a smaller one".to_owned();
                     problems.add(reader.of_row(row, problem));
                     break;
                 };
@@ -104,7 +101,7 @@ impl Asked {
         read
     }
 
-    /// The request of a row, whose model and parameters are noted; none of a row that is wrong, which is told.
+    /// The request of a row, whose model and parameters are noted; `None` of a row that is wrong, which is reported.
     fn request(
         &mut self,
         reader: &Reader<'_>,
@@ -207,13 +204,13 @@ impl<'a> Reader<'a> {
         };
         let read = row.text(column).parse().ok().filter(|n| *n >= 1);
         if read.is_none() {
-            let problem = "is no number of runs: write a whole number, 1 or more".to_owned();
+            let problem = "is not a number of runs: write a whole number, 1 or more".to_owned();
             problems.add(self.of_cell(row, column, problem));
         }
         read
     }
 
-    /// The seed that a row states, `Some(None)` where the table has none.
+    /// The seed that a row states, `Some(None)` if the table has none.
     #[expect(
         clippy::option_option,
         reason = "wrong, absent and there are three cases"
@@ -225,7 +222,7 @@ impl<'a> Reader<'a> {
         let read = row.text(column).parse().ok();
         if read.is_none() {
             let problem = format!(
-                "is no seed: write a whole number, 0 or more, or leave out the column '{SEED}'"
+                "is not a seed: write a whole number, 0 or more, or leave out the column '{SEED}'"
             );
             problems.add(self.of_cell(row, column, problem));
         }
@@ -269,7 +266,7 @@ impl<'a> Reader<'a> {
         name
     }
 
-    /// Whether these are all cells of a row, none of which is wrong.
+    /// Whether these are all cells of a row, without a wrong one.
     fn is_whole(&self, cells: &[Cell<'_>]) -> bool {
         let roles = self.columns.roles.iter().flatten();
         let setters = roles.filter(|role| matches!(role, Role::Sets(_)));
@@ -331,13 +328,12 @@ impl<'a> Reader<'a> {
 fn agrees(coded: &str, natural: &str, factor: &Factor) -> Result<(), String> {
     let number = |text: &str| text.parse().ok().filter(|x: &f64| x.is_finite());
     let Some(coded) = number(coded) else {
-        return Err("is no finite number: correct it, or leave the row out".to_owned());
+        return Err("is not a finite number: correct it, or leave the row out".to_owned());
     };
     let expected = factor.natural(coded);
     match number(natural) {
         Some(natural) if (natural - expected).abs() > AGREES * factor.half_range() => Err(format!(
-            "stands for {expected} by the range {} to {} of the factor, and {natural} stands beside it: correct one \
-             of them",
+            "is {expected} by the range {} to {} of the factor, and {natural} is beside it: correct one of them",
             factor.low(),
             factor.high()
         )),

@@ -2,7 +2,7 @@
 
 use super::{
     Budget, CandidateEntry, CoarseGrainingEntry, CompareEntry, EffectEntry, EffectsTable,
-    MeasuredEntry, ParameterEntry, SceneEntry, StudyFile, input, photo,
+    MeasuredEntry, ParameterEntry, SceneEntry, SimulatorTable, StudyFile, input, photo,
 };
 use crate::document::below;
 use crate::limits::{LEAST_RATIO, MOST, MOST_RUNS, range_of};
@@ -31,6 +31,17 @@ impl StudyFile {
                 }
             }
             _ => {}
+        }
+        let kind = problems.document.value(&below("simulator", "kind"));
+        let is_stated = problems.document.value("simulator").is_some();
+        let is_own = kind.and_then(Value::as_str) == Some("own");
+        if is_stated && !is_own && self.simulator == SimulatorTable::default() {
+            // The table could not be read: what the others may hold depends on the kind.
+            *self = Self {
+                profile: std::mem::take(&mut self.profile),
+                ..Self::default()
+            };
+            return;
         }
         for key in ["scene", "parameter", "measured"] {
             let problem = format!("has no [[{key}]]: a study needs at least one");

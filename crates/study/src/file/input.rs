@@ -13,7 +13,7 @@ use simulators::effects::{Effect, find};
 /// How far an input may move, in standard deviations. Our choice: of right ones 3 in 1000 lie beyond.
 const REACH: f64 = 3.0;
 /// Inputs that pictures of a bed depend on, as effects of the library, with the errors that they have if the file states none, as shares:
-/// seeds are counted, or weighed and divided by the mass of one of them, to some per cent, and a few calipered seeds tell the mean size
+/// seeds are counted, or weighed and divided by the mass of one of them, to some per cent, and a few calipered seeds give the mean size
 /// of all to less. Our choice.
 const BEHIND_PHOTOS: [(&str, f64); 2] = [("seed-count", 0.03), ("seed-size", 0.01)];
 

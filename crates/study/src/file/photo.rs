@@ -23,7 +23,7 @@ pub(crate) struct PhotoOptions {
     plumb_line: Option<[[f64; 2]; 2]>,
     #[serde(deserialize_with = "places")]
     level: Option<[[f64; 2]; 2]>,
-    /// How far above the foot of a heap the camera stands; `None`: as the lower edge of each heap shows it.
+    /// How far the camera is above the foot of a heap; `None`: as the lower edge of each heap shows it.
     pub(crate) elevation: Option<Angle>,
     /// Largest standard error with which the angle may be known from one picture; `None`: 3 degrees.
     pub(crate) max_angle_error: Option<Angle>,
@@ -31,7 +31,7 @@ pub(crate) struct PhotoOptions {
     pub(crate) region: Option<[u32; 4]>,
     /// A picture that is black where something else than bed and air shows.
     pub(crate) mask: Option<PathBuf>,
-    /// One picture of so many is taken: of several files one file, of one film or animation one picture in it.
+    /// Every n-th picture is taken: of several files one file, of one film or animation one picture in it.
     pub(crate) every: Option<NonZeroUsize>,
     /// Centre and radius of the drum, px; `None`: found.
     pub(crate) drum: Option<[f64; 3]>,

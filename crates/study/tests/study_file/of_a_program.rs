@@ -71,7 +71,6 @@ fn what_the_program_could_not_be_given_is_refused() {
         ("command = [\"sh\", \"run.sh\"]\n", "", "[simulator]", "'command'"),
         ("version = \"1\"\n", "", "[simulator]", "'version'"),
         ("version = \"1\"\n", "ranks = 2\nversion = \"1\"\n", "ranks = 2", "template"),
-        ("kind = \"command\"", "kind = \"comand\"", "kind = \"comand\"", "\"command\""),
         ("\"results.json\"", "\"\"", "[simulator.results]: observables", "a file"),
         ("\"results.json\"", "\".\"", "[simulator.results]: observables", "a file"),
         ("\"results.json\"", "\"../x.json\"", "[simulator.results]: observables", "inside"),
@@ -93,6 +92,16 @@ fn what_the_program_could_not_be_given_is_refused() {
     ] {
         let (study, list) = wrong(from, to);
         reports(&study, &list, what, word);
+    }
+}
+
+/// What the other tables may hold depends on the kind: where it is wrong, it alone is reported.
+#[test]
+fn a_wrong_kind_is_reported_alone() {
+    for to in ["kind = \"comand\"", "kind = 3", ""] {
+        let (study, list) = wrong("kind = \"command\"", to);
+        reports(&study, &list, "[simulator]", "");
+        assert_eq!(list.len(), 1, "{list:#?}");
     }
 }
 
@@ -130,7 +139,7 @@ fn texts_that_are_no_names_are_refused() {
 }
 
 /// Each key asks for its line: counted from the start of the file each time, 3000 measurements would take a minute. 5 s are far above what
-/// one count takes.
+/// one count takes. Of thousands of mistakes a hundred are reported, since each takes a reading of the file.
 #[test]
 fn a_long_study_is_read_in_the_time_of_its_length() {
     let one = |rpm: usize| {
@@ -142,5 +151,10 @@ fn a_long_study_is_read_in_the_time_of_its_length() {
     let folder = folder(&format!("{COMMAND}{study}"));
     let begin = std::time::Instant::now();
     folder.read(None).expect("a study that is right");
+    folder.write(
+        "study.toml",
+        &format!("{COMMAND}{}", study.replace("role", "rol")),
+    );
+    assert!(problems(&folder, None).len() >= 100);
     assert!(begin.elapsed().as_secs() < 5, "{:?}", begin.elapsed());
 }

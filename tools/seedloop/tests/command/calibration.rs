@@ -169,13 +169,10 @@ fn everything_that_is_wrong_with_a_study_is_told_at_once() {
         &output,
         &[
             "5 things are wrong; nothing was run",
+            &format!("{}: [[parameter]] S: low = 0.25", line("low = 0.25")),
+            &format!("{}: [[measured]] sled: role = \"fitt\"", line("\"fitt\"")),
             &format!(
-                "{}: [[parameter]] S: low = 0.25 and high = 0.2",
-                line("low = 0.25")
-            ),
-            &format!("{}: [[measured]] 1: role = \"fitt\"", line("\"fitt\"")),
-            &format!(
-                "{}: [[measured]] 2: shown_rolling_friction: sd = 0",
+                "{}: [[measured]] tilt: shown_rolling_friction.sd = 0",
                 line("sd = 0.0,")
             ),
             &format!("{}: [design]: before_runs = -1", line("before_runs")),

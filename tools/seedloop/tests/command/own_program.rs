@@ -233,12 +233,12 @@ fn what_is_wrong_is_told() {
     assert_code(&output, 2);
     let told = text(&output.stderr);
     for word in [
-        "[[effect]] 'cohesion' stands there twice",
-        "'heap_deg'",
+        "[[effect]] cohesion: name",
+        "heap_deg",
         "has no 'version'",
         "release",
         "1 mile",
-        "study.toml, line 15: [simulator] template = 'mil' names no folder",
+        "study.toml, line 15: [simulator]: template = \"mil\"",
         "'seed'",
         "nothing was run",
     ] {
