@@ -105,9 +105,7 @@ impl Surface {
             let crossed = coarsest.is_some() && degree != Degree::Constant;
             [Some((degree, crossed)), crossed.then_some((degree, false))]
         });
-        let symbols: Vec<String> = (0..points[0].len())
-            .map(|j| format!("x{j}"))
-            .collect();
+        let symbols: Vec<String> = (0..points[0].len()).map(|j| format!("x{j}")).collect();
         let weights = vec![1.0; points.len()];
         for (degree, crossed) in allowed.flatten() {
             let model = model_of(symbols.clone(), (degree, curved, crossed));
@@ -523,7 +521,9 @@ fn model_of(symbols: Vec<String>, (degree, curved, crossed): (Degree, usize, boo
     let k = symbols.len();
     let product = |places: &[usize]| {
         let mut powers = vec![0; k];
-        places.iter().for_each(|&j| powers[j] += 1);
+        for &j in places {
+            powers[j] += 1;
+        }
         powers
     };
     let mut terms = vec![product(&[])];

@@ -89,12 +89,14 @@ fn the_candidate_at_which_twins_part_comes_first() {
 /// Once it is measured, with the truth and its noise of reading (here none), the tie is resolved rightly.
 #[test]
 fn the_first_candidate_resolves_the_tie() {
-    let (tied, _) = study(&plan());
-    let fast = &tied.plan.candidates[2];
-    let [angle, shape] = truth(40.0, 0.3, 0.7, 0.4, [2.0, 0.0]);
-    let values = BTreeMap::from([("angle".to_owned(), angle), ("shape".to_owned(), shape)]);
-    let plan = tied.with_measured(fast, &values);
-    assert_eq!(plan.candidates.len(), 2);
+    let mut plan = observed(&plan(), [2.0, 0.0], 1);
+    let fast = plan.candidates.pop().unwrap();
+    plan.conditions.push(StudyCondition {
+        used: true,
+        values: truth(40.0, 0.3, 0.7, 0.4, [2.0, 0.0]).map(Some).to_vec(),
+        covariance: plan.conditions[0].covariance.clone(),
+        ..fast.condition
+    });
     let study = studied(&By(twins), &plan);
     assert_eq!(
         study.diagnosis.effects,
@@ -112,26 +114,4 @@ fn a_named_effect_asks_for_no_candidate() {
     let (study, _) = study(&plan);
     assert_eq!(study.diagnosis.verdict, Verdict::Named);
     assert!(study.offered.is_empty() && study.problem.candidate_experiments.is_empty());
-}
-
-/// A candidate of another scene brings observables of its own: those of the other conditions stay as they were.
-#[test]
-fn a_candidate_of_another_scene_widens_the_table() {
-    let (mut tied, _) = study(&plan());
-    let mut heap = candidate(10.0, 1.0);
-    heap.standard_errors = BTreeMap::from([("heap: angle".to_owned(), 0.5)]);
-    heap.condition.observables = Some(BTreeMap::from([(
-        "heap: angle".to_owned(),
-        "angle".to_owned(),
-    )]));
-    tied.plan.candidates.push(heap.clone());
-    let values = BTreeMap::from([("heap: angle".to_owned(), 31.0)]);
-    let plan = tied.with_measured(&heap, &values);
-    let last = plan.conditions.last().unwrap();
-    assert_eq!(plan.observables, ["angle", "shape", "heap: angle"]);
-    assert_eq!(last.values, [None, None, Some(31.0)]);
-    assert_eq!(plan.conditions[0].values.len(), 3);
-    assert_eq!(last.covariance[2], [0.0, 0.0, 0.25]);
-    let own = plan.conditions[0].observables.as_ref().unwrap();
-    assert!(own.contains_key("shape") && !own.contains_key("heap: angle"));
 }

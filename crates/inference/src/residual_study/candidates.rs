@@ -4,7 +4,7 @@ use super::fits::{Fits, Visited};
 use super::linearisation::Linearisation;
 use super::runs::{self, At, Setting};
 use super::scatter::Scatter;
-use super::{EffectProbe, ResidualPlan, ResidualStudy, StudyCondition};
+use super::{EffectProbe, ResidualPlan, StudyCondition};
 use crate::Error;
 use crate::diagnosis::{Diagnosis, ExperimentFile, Level, QuestionedEffect, SensitivityRuns};
 use campaign::RunRequest;
@@ -251,51 +251,4 @@ fn experiment(
         }),
         cost: candidate.minutes,
     })
-}
-
-impl ResidualStudy {
-    /// The plan of the next study: that of this one and a candidate that was measured meanwhile, with the mean of each of its
-    /// observables by the name in the plan. What was run is found again.
-    pub fn with_measured(
-        &self,
-        candidate: &CandidateMeasurement,
-        values: &BTreeMap<String, f64>,
-    ) -> ResidualPlan {
-        let mut plan = self.plan.clone();
-        plan.candidates.retain(|c| c.name != candidate.name);
-        let known = plan.observables.clone();
-        let new = candidate.standard_errors.keys();
-        let new = new.filter(|name| !known.contains(name)).cloned();
-        plan.observables.extend(new);
-        let n = plan.observables.len();
-        let same = |name: &String| (name.clone(), name.clone());
-        for c in &mut plan.conditions {
-            // A condition that reads all observables goes on with those that there were.
-            if n > known.len() {
-                let own = || known.iter().map(same).collect();
-                c.observables.get_or_insert_with(own);
-            }
-            c.values.resize(n, None);
-            c.covariance.iter_mut().for_each(|line| line.resize(n, 0.0));
-            c.covariance.resize(n, vec![0.0; n]);
-        }
-        let names = plan.observables.iter();
-        let error = |name: &String| candidate.standard_errors.get(name).copied();
-        let mut covariance = vec![vec![0.0; n]; n];
-        for (k, name) in names.clone().enumerate() {
-            covariance[k][k] = error(name).map_or(0.0, |se| se * se);
-        }
-        let measured = |name: &String| error(name).and(values.get(name).copied());
-        let own = candidate.condition.observables.clone();
-        let own = own.unwrap_or_else(|| candidate.standard_errors.keys().map(same).collect());
-        let condition = StudyCondition {
-            used: true,
-            observables: Some(own),
-            values: names.map(measured).collect(),
-            covariance,
-            ..candidate.condition.clone()
-        };
-        plan.conditions.push(condition);
-        plan
-    }
 }
