@@ -1,15 +1,9 @@
-//! What can be wrong with a chart or a report that is asked for.
+//! Errors of charts and reports.
 
 /// Why a chart or a report cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A chart cannot be turned into pixels.
-    #[error("a chart cannot be turned into PNG: {reason}; its SVG can still be used")]
-    Png {
-        /// What went wrong.
-        reason: String,
-    },
     /// A number that is not finite; nothing of the kind is ever written into a picture.
     #[error(
         "{chart}: {field} {index} is {value}; every number of a chart must be finite, so leave the \

@@ -62,7 +62,7 @@ impl Fact {
     }
 }
 
-/// A report in the making. Everything that is added stands in the section begun last.
+/// A report in the making. Everything that is added belongs to the section begun last.
 ///
 /// All texts are plain text: markup in them is shown as written.
 #[derive(Debug, Clone)]
@@ -175,13 +175,13 @@ impl Report {
 
     /// Adds a chart.
     pub fn figure(&mut self, chart: &Svg, caption: &str) -> &mut Self {
-        let markup = chart.as_str().trim_end().to_owned();
-        self.push_figure(&markup, caption)
+        self.need(Script::Figures);
+        self.push_figure(chart.as_str().trim_end(), caption)
     }
 
     /// Adds charts of which the reader chooses one, each with its name and its caption; without scripts and on paper all
     /// are there.
-    pub fn choice(&mut self, what: &str, charts: &[(String, &Svg, String)]) -> &mut Self {
+    pub fn choice(&mut self, what: &str, charts: &[(String, Svg, String)]) -> &mut Self {
         let what = escaped(what);
         self.push(format_args!("<div class=\"choice\" data-what=\"{what}\">"));
         for (name, chart, caption) in charts {

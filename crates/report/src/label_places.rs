@@ -114,6 +114,46 @@ impl LabelPlaces {
         }
     }
 
+    /// Writes a name along a line where nothing else is; nothing if there is no room.
+    pub(crate) fn write_along(&mut self, canvas: &mut Canvas, line: &[Point], name: &str) {
+        let size = SMALL_TEXT - 1.0;
+        let width = text_width(name, size);
+        let total = length(line);
+        if total < 2.5 * width {
+            return;
+        }
+        for share in [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.12, 0.88] {
+            let ends = [-0.5, 0.5].map(|half| along(line, share * total + half * width));
+            let [Some(from), Some(to)] = ends else {
+                continue;
+            };
+            let middle = at(0.5 * (from.x + to.x), 0.5 * (from.y + to.y));
+            let mut turn = (to.y - from.y).atan2(to.x - from.x).to_degrees();
+            if turn.abs() > 90.0 {
+                turn -= 180.0 * turn.signum();
+            }
+            let (sine, cosine) = turn.to_radians().sin_cos();
+            let half_width = 0.5 * (width * cosine.abs() + SMALL_TEXT * sine.abs());
+            let half_height = 0.5 * (width * sine.abs() + SMALL_TEXT * cosine.abs());
+            let wanted = Rect {
+                left: middle.x - half_width,
+                right: middle.x + half_width,
+                top: middle.y - half_height,
+                bottom: middle.y + half_height,
+            };
+            if self.take(wanted) {
+                let style = TextStyle {
+                    size,
+                    turn,
+                    halo: Halo::Paper,
+                    ..TextStyle::small(Anchor::Middle)
+                };
+                canvas.text(middle, name, &style);
+                return;
+            }
+        }
+    }
+
     /// Takes a box if it is free.
     pub(crate) fn take(&mut self, wanted: Rect) -> bool {
         let free =
@@ -124,7 +164,7 @@ impl LabelPlaces {
         free
     }
 
-    /// Writes a name beside a point where there is room; without any room nothing is written.
+    /// Writes a name beside a point if there is room; without any room nothing is written.
     pub(crate) fn write(&mut self, canvas: &mut Canvas, point: Point, name: &str, colour: &str) {
         let width = text_width(name, SMALL_TEXT);
         for distance in DISTANCES {
@@ -161,4 +201,30 @@ impl LabelPlaces {
             }
         }
     }
+}
+
+/// Length of a line, px.
+fn length(points: &[Point]) -> f64 {
+    points
+        .windows(2)
+        .map(|pair| (pair[1].x - pair[0].x).hypot(pair[1].y - pair[0].y))
+        .sum()
+}
+
+/// Point of a line at a distance from its beginning, px.
+fn along(points: &[Point], distance: f64) -> Option<Point> {
+    let mut left = distance;
+    for pair in points.windows(2) {
+        let &[from, to] = pair else { return None };
+        let piece = (to.x - from.x).hypot(to.y - from.y);
+        if left <= piece && piece > 0.0 {
+            let share = left / piece;
+            return Some(at(
+                from.x + share * (to.x - from.x),
+                from.y + share * (to.y - from.y),
+            ));
+        }
+        left -= piece;
+    }
+    None
 }

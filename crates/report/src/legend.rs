@@ -12,8 +12,6 @@ pub(crate) enum Sample<'a> {
     Marker(Shape, &'a str, &'a str),
     /// A piece of line.
     Line(Stroke<'a>),
-    /// A line with a marker of the same colour on it.
-    LineMarker(Stroke<'a>, Shape),
     /// A filled patch with its opacity.
     Patch(&'a str, f64),
 }
@@ -84,10 +82,6 @@ fn draw_sample(canvas: &mut Canvas, place: Point, sample: &Sample<'_>) {
     match *sample {
         Sample::Marker(shape, fill, rim) => canvas.marker(shape, middle, fill, rim),
         Sample::Line(stroke) => canvas.line(place, end, &stroke),
-        Sample::LineMarker(stroke, shape) => {
-            canvas.line(place, end, &stroke);
-            canvas.marker(shape, middle, stroke.colour, stroke.colour);
-        }
         Sample::Patch(fill, opacity) => {
             let patch = Rect {
                 left: place.x,

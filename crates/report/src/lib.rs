@@ -1,20 +1,16 @@
 //! Charts as SVG and a report as one HTML file.
 //!
-//! Every chart is a plain struct of numbers and names with a method `draw` that gives an [`Svg`];
-//! [`Report`] puts charts, tables, pictures and words into one page that opens without a network.
+//! A [`Plot`] has two axes and marks over them - points with error bars, lines, areas, levels and texts - and is drawn as an
+//! [`Svg`]; [`Report`] puts charts, tables, pictures and words into one page that opens without a network.
 //!
 //! ```
-//! use report::{AxisTitle, LineSeries, Report, Series, SeriesPoint};
+//! use report::{Axis, Plot, PlotPoint, Report, series};
 //!
-//! let points = vec![SeriesPoint::new(0.1, 30.2, 0.4), SeriesPoint::new(0.3, 36.9, 0.5)];
-//! let chart = LineSeries {
-//!     x: AxisTitle::new("Sliding friction", ""),
-//!     y: AxisTitle::new("Repose angle", "°"),
-//!     series: vec![Series { name: "simulated".into(), points }],
-//!     levels: vec![],
-//! };
+//! let points = vec![PlotPoint::new(0.1, 30.2).with_error(0.4), PlotPoint::new(0.3, 36.9).with_error(0.5)];
+//! let plot = Plot::new(Axis::numbers("Sliding friction", ""), Axis::numbers("Repose angle", "°"))
+//!     .with_all(series(0, "simulated", points));
 //! let mut report = Report::new("Friction & angle");
-//! report.section("Result").figure(&chart.draw()?, "The angle grows with friction.");
+//! report.section("Result").figure(&plot.draw()?, "The angle grows with friction.");
 //! assert!(report.html().contains("<h1>Friction &amp; angle</h1>"));
 //! # Ok::<(), report::Error>(())
 //! ```
@@ -25,37 +21,25 @@
 //!   style and its scripts by their digests, and browsers run nothing else.
 //! - The same input gives the same bytes: there is no clock and no randomness.
 
-mod chart;
+mod charts;
 mod check;
 mod counted;
+mod draw;
 mod error;
 mod escape;
+mod frame;
 mod geometry;
 mod html;
 mod label_places;
 mod legend;
 mod marching_squares;
 mod plot;
-mod png;
 mod style;
 mod svg;
 mod text;
 mod ticks;
 
-pub use chart::bars_with_target::{Bar, BarsWithTarget, Target};
-pub use chart::contour::{Contour, MarkedPoint};
-pub use chart::cube::{Cube, CubeEdge};
-pub use chart::design_runs::DesignRun;
-pub use chart::half_normal::{FactorEffect, HalfNormal};
-pub use chart::line_series::{LineSeries, Series, SeriesPoint};
-pub use chart::pareto::Pareto;
-pub use chart::predicted_against_measured::{Comparison, PredictedAgainstMeasured, Role};
-pub use chart::residuals::{ResidualCondition, ResidualPanel, Residuals};
-pub use chart::scatter::Scatter;
-pub use chart::stacked_bars::{StackedBar, StackedBars};
-pub use chart::surface::Surface;
-pub use chart::timeseries::{TimeSeries, TimeSpan};
-pub use chart::{AxisTitle, Level};
+pub use charts::{Grid, design_runs, half_normal, marked_points, pareto, scatter, series};
 pub use counted::counted;
 pub use error::Error;
 pub use escape::escaped;
@@ -66,5 +50,5 @@ pub use html::pointing::{Pointed, PointingPicture, PointingTool};
 pub use html::table::{Alignment, Column, Table};
 pub use html::viewer::{SphereViewer, ViewerBody, ViewerKind, ViewerSphere};
 pub use html::{Fact, Report, Tone};
-pub use png::PngPrinter;
-pub use svg::Svg;
+pub use plot::{Axis, AxisTitle, ColourBar, Format, Mark, Plot, PlotPoint, colour};
+pub use svg::{Anchor, Shape, Svg};

@@ -1,441 +1,494 @@
-//! A plot area with its two axes.
+//! A chart: two axes and the marks over them.
 
-use crate::chart::AxisTitle;
-use crate::geometry::{Point, Rect, at};
-use crate::style::{AXIS, GRID, INK, SMALL_TEXT, TEXT};
-use crate::svg::{Anchor, Canvas, Stroke, TextStyle, Weight};
-use crate::text::fitted;
-use crate::ticks::{Domain, Ticks, superscript};
+use crate::Error;
+use crate::check::Field;
+use crate::svg::{Anchor, Shape};
 
-/// Length of a tick mark, px.
-const TICK: f64 = 4.0;
-
-/// Straight map from values to pixels.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Scale {
-    /// Values shown.
-    pub(crate) domain: Domain,
-    /// Pixel of the lower end.
-    pub(crate) start: f64,
-    /// Pixel of the upper end.
-    pub(crate) end: f64,
+/// Title of an axis: the quantity and its unit.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct AxisTitle {
+    /// The quantity, such as "Repose angle".
+    pub quantity: String,
+    /// Its unit, such as "°"; empty for a plain number.
+    pub unit: String,
 }
 
-impl Scale {
-    /// Pixel of a value.
-    pub(crate) fn pixel(&self, value: f64) -> f64 {
-        let share = (value - self.domain.low) / (self.domain.high - self.domain.low);
-        self.start + share * (self.end - self.start)
-    }
-}
-
-/// What one axis shows.
-#[derive(Debug, Clone)]
-pub(crate) struct AxisPlan {
-    /// Title.
-    pub(crate) title: AxisTitle,
-    /// Values shown.
-    pub(crate) domain: Domain,
-    /// Marks.
-    pub(crate) ticks: Ticks,
-    /// Whether grid lines cross the plot at the marks.
-    pub(crate) grid: GridStyle,
-}
-
-/// Whether grid lines are drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum GridStyle {
-    /// Lines at every mark.
-    Lines,
-    /// No lines.
-    Bare,
-}
-
-impl AxisPlan {
-    /// An axis of numbers with about `count` marks.
-    pub(crate) fn numbers(title: &AxisTitle, domain: Domain, count: f64) -> Self {
-        let ticks = Ticks::of(domain, count);
+impl AxisTitle {
+    /// A title; an empty unit for a plain number.
+    pub fn new(quantity: impl Into<String>, unit: impl Into<String>) -> Self {
         Self {
-            title: title.clone(),
-            domain,
-            ticks,
-            grid: GridStyle::Lines,
+            quantity: quantity.into(),
+            unit: unit.into(),
         }
     }
 
-    /// An axis of names, each with the same room.
-    pub(crate) fn names<'a>(title: &AxisTitle, names: impl IntoIterator<Item = &'a str>) -> Self {
-        let ticks = Ticks::names(names);
-        let high = ticks.values.len() as f64 - 0.5;
-        let domain = Domain {
-            low: -0.5,
-            high: high.max(0.5),
+    /// Whether both parts are empty.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.quantity.is_empty() && self.unit.is_empty()
+    }
+
+    /// "Quantity (unit)", with a factor such as "×10⁶" before the unit unless it is empty.
+    pub(crate) fn text(&self, factor: &str) -> String {
+        let unit = match (factor.is_empty(), self.unit.is_empty()) {
+            (true, _) => self.unit.clone(),
+            (false, true) => factor.to_owned(),
+            (false, false) => format!("{factor} {}", self.unit),
         };
+        match (self.quantity.is_empty(), unit.is_empty()) {
+            (_, true) => self.quantity.clone(),
+            (true, false) => format!("({unit})"),
+            (false, false) => format!("{} ({unit})", self.quantity),
+        }
+    }
+}
+
+impl std::fmt::Display for AxisTitle {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.text(""))
+    }
+}
+
+/// An axis of a plot.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Axis {
+    /// Numbers.
+    Numbers {
+        /// Its title.
+        title: AxisTitle,
+        /// First and last value shown; `None` for all points, areas and levels with a margin.
+        ends: Option<[f64; 2]>,
+    },
+    /// Names at 0, 1, 2 and so on; upright axes begin at the top.
+    Names(Vec<String>),
+    /// Plain coordinates between two ends, over the whole picture; nothing of the axis is drawn.
+    Hidden([f64; 2]),
+}
+
+impl Axis {
+    /// Numbers, over all that the plot shows.
+    pub fn numbers(quantity: impl Into<String>, unit: impl Into<String>) -> Self {
+        AxisTitle::new(quantity, unit).into()
+    }
+}
+
+impl From<AxisTitle> for Axis {
+    fn from(title: AxisTitle) -> Self {
+        Self::Numbers { title, ends: None }
+    }
+}
+
+/// A point of a plot, in the units of the axes.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PlotPoint {
+    /// Horizontal place.
+    pub x: f64,
+    /// Vertical place.
+    pub y: f64,
+    /// Half length of the horizontal error bar; 0 for none.
+    pub x_error: f64,
+    /// Half length of the vertical error bar; 0 for none.
+    pub y_error: f64,
+    /// Name written beside the point if there is room; empty for none.
+    pub label: String,
+    /// Text shown while the mouse rests on the point. Points with such a text that share a place are drawn side by side.
+    pub tip: String,
+    /// Part of the page that a click opens, such as `#run-1-3`; empty for none.
+    pub link: String,
+}
+
+impl PlotPoint {
+    /// A point without error bars and texts.
+    pub fn new(x: f64, y: f64) -> Self {
         Self {
-            title: title.clone(),
-            domain,
-            ticks,
-            grid: GridStyle::Bare,
+            x,
+            y,
+            ..Self::default()
         }
     }
 
-    /// Title with unit and power of ten.
-    pub(crate) fn title_text(&self) -> String {
-        self.title.text(&match self.ticks.exponent {
-            0 => String::new(),
-            exponent => format!("×10{}", superscript(exponent)),
-        })
+    /// The point with a vertical error bar of this half length.
+    #[must_use]
+    pub fn with_error(self, y_error: f64) -> Self {
+        Self { y_error, ..self }
+    }
+
+    /// The point with a name beside it.
+    #[must_use]
+    pub fn with_label(self, label: impl Into<String>) -> Self {
+        Self {
+            label: label.into(),
+            ..self
+        }
     }
 }
 
-/// Room around the plot area that does not follow from the axes, px.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Outside {
-    /// Left edge of everything.
-    pub(crate) left: f64,
-    /// Upper edge of the plot area.
-    pub(crate) top: f64,
-    /// Right edge of the plot area.
-    pub(crate) right: f64,
-    /// Lower edge of everything.
-    pub(crate) bottom: f64,
+/// Something drawn over the axes. A mark with a name has an entry in the legend.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Mark {
+    /// Points; more than 150 are drawn small.
+    Points {
+        /// Name in the legend; empty for none.
+        name: String,
+        /// Shape of each.
+        shape: Shape,
+        /// Colour of the inside.
+        fill: String,
+        /// Colour of the rim and of the error bars.
+        rim: String,
+        /// The points.
+        points: Vec<PlotPoint>,
+    },
+    /// Lines; parts outside of the axes are cut off.
+    Line {
+        /// Name in the legend; empty for none.
+        name: String,
+        /// Colour.
+        colour: String,
+        /// Width, px.
+        width: f64,
+        /// Whether it is dashed.
+        dashed: bool,
+        /// Text written along the line if there is room; empty for none.
+        label: String,
+        /// Pieces, each a chain of places (x, y).
+        pieces: Vec<Vec<[f64; 2]>>,
+    },
+    /// Areas; parts outside of the axes are cut off.
+    Area {
+        /// Name in the legend; empty for none.
+        name: String,
+        /// Colour.
+        colour: String,
+        /// 0 invisible to 1 opaque.
+        opacity: f64,
+        /// Closed outlines of places (x, y); one inside another is a hole.
+        outlines: Vec<Vec<[f64; 2]>>,
+    },
+    /// A dashed line across the plot with its name on it, or above the plot if it is upright.
+    Level {
+        /// What it is; empty for none.
+        name: String,
+        /// Its value on the vertical axis, or on the horizontal one if it is upright.
+        value: f64,
+        /// Whether it is upright.
+        upright: bool,
+    },
+    /// A text.
+    Text {
+        /// Place (x, y) in the units of the axes.
+        place: [f64; 2],
+        /// Shift from there to the right and downwards, px.
+        shift: [f64; 2],
+        /// The text.
+        text: String,
+        /// The part of the text at its place.
+        anchor: Anchor,
+        /// Whether it is bold.
+        bold: bool,
+        /// Turn, degrees clockwise.
+        turn: f64,
+    },
 }
 
-/// A plot area with two axes.
-#[derive(Debug, Clone)]
-pub(crate) struct Plot {
-    /// Where values are drawn.
-    pub(crate) area: Rect,
-    /// Horizontal map.
-    pub(crate) x: Scale,
-    /// Vertical map.
-    pub(crate) y: Scale,
-    /// Horizontal axis.
-    x_plan: AxisPlan,
-    /// Vertical axis.
-    y_plan: AxisPlan,
-    /// How labels below the plot are set.
-    x_labels: Labels,
+impl Mark {
+    /// Points with a filled shape.
+    pub fn points(
+        name: impl Into<String>,
+        shape: Shape,
+        colour: &str,
+        points: Vec<PlotPoint>,
+    ) -> Self {
+        Self::Points {
+            name: name.into(),
+            shape,
+            fill: colour.to_owned(),
+            rim: colour.to_owned(),
+            points,
+        }
+    }
+
+    /// Points with an open shape.
+    pub fn open_points(
+        name: impl Into<String>,
+        shape: Shape,
+        rim: &str,
+        points: Vec<PlotPoint>,
+    ) -> Self {
+        Self::Points {
+            name: name.into(),
+            shape,
+            fill: colour::PAPER.to_owned(),
+            rim: rim.to_owned(),
+            points,
+        }
+    }
+
+    /// Full lines without an entry in the legend.
+    pub fn lines(colour: &str, width: f64, pieces: Vec<Vec<[f64; 2]>>) -> Self {
+        Self::Line {
+            name: String::new(),
+            colour: colour.to_owned(),
+            width,
+            dashed: false,
+            label: String::new(),
+            pieces,
+        }
+    }
+
+    /// A full line.
+    pub fn line(name: impl Into<String>, colour: &str, points: Vec<[f64; 2]>) -> Self {
+        Self::Line {
+            name: name.into(),
+            colour: colour.to_owned(),
+            width: 1.8,
+            dashed: false,
+            label: String::new(),
+            pieces: vec![points],
+        }
+    }
+
+    /// A thin dashed line.
+    pub fn dashed(name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
+        Self::Line {
+            name: name.into(),
+            colour: colour::INK.to_owned(),
+            width: 1.2,
+            dashed: true,
+            label: String::new(),
+            pieces: vec![points],
+        }
+    }
+
+    /// An area.
+    pub fn area(
+        name: impl Into<String>,
+        colour: &str,
+        opacity: f64,
+        outlines: Vec<Vec<[f64; 2]>>,
+    ) -> Self {
+        Self::Area {
+            name: name.into(),
+            colour: colour.to_owned(),
+            opacity,
+            outlines,
+        }
+    }
+
+    /// Level bars at the numbers of their names on the vertical axis, each from one value to another.
+    pub fn bars(name: impl Into<String>, colour: &str, bars: &[(usize, [f64; 2])]) -> Self {
+        let outline = |&(row, [from, to]): &(usize, [f64; 2])| {
+            let [above, below] = [row as f64 - 0.34, row as f64 + 0.34];
+            vec![[from, above], [to, above], [to, below], [from, below]]
+        };
+        Self::area(name, colour, 0.9, bars.iter().map(outline).collect())
+    }
+
+    /// A level line.
+    pub fn level(name: impl Into<String>, value: f64) -> Self {
+        Self::Level {
+            name: name.into(),
+            value,
+            upright: false,
+        }
+    }
+
+    /// An upright line.
+    pub fn upright(name: impl Into<String>, value: f64) -> Self {
+        Self::Level {
+            name: name.into(),
+            value,
+            upright: true,
+        }
+    }
+
+    /// A text at a place, shifted by px to the right and downwards.
+    pub fn text(text: impl Into<String>, place: [f64; 2], shift: [f64; 2], anchor: Anchor) -> Self {
+        Self::Text {
+            place,
+            shift,
+            text: text.into(),
+            anchor,
+            bold: false,
+            turn: 0.0,
+        }
+    }
 }
 
-/// How the labels of the horizontal axis are set.
+impl Mark {
+    /// Its entry in the legend; empty for none.
+    pub(crate) fn name(&self) -> &str {
+        match self {
+            Self::Points { name, .. } | Self::Line { name, .. } | Self::Area { name, .. } => name,
+            Self::Level { .. } | Self::Text { .. } => "",
+        }
+    }
+
+    /// All places that it has; those of a level have its value twice.
+    pub(crate) fn places(&self) -> Vec<[f64; 2]> {
+        match self {
+            Self::Points { points, .. } => points.iter().map(|p| [p.x, p.y]).collect(),
+            Self::Line { pieces, .. } => pieces.concat(),
+            Self::Area { outlines, .. } => outlines.concat(),
+            Self::Level { value, .. } => vec![[*value; 2]],
+            Self::Text { place, .. } => vec![*place],
+        }
+    }
+
+    /// Values that an axis without ends of its own must show: of points with their error bars, areas, and the levels of this axis.
+    pub(crate) fn values(&self, upright: bool) -> Vec<f64> {
+        let axis = usize::from(upright);
+        match self {
+            Self::Points { points, .. } => points
+                .iter()
+                .flat_map(|p| {
+                    let (value, error) = if upright {
+                        (p.y, p.y_error)
+                    } else {
+                        (p.x, p.x_error)
+                    };
+                    [value - error, value + error]
+                })
+                .collect(),
+            Self::Area { .. } => self.places().iter().map(|place| place[axis]).collect(),
+            Self::Level {
+                value,
+                upright: stands,
+                ..
+            } if *stands != upright => vec![*value],
+            Self::Level { .. } | Self::Line { .. } | Self::Text { .. } => Vec::new(),
+        }
+    }
+}
+
+/// Colours that all charts share.
+pub mod colour {
+    pub use crate::style::{AXIS, BAND, BLUE, INK, PAPER, VERMILION, sequential, series};
+}
+
+/// The scale of colours beside a plot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColourBar {
+    /// The quantity.
+    pub title: AxisTitle,
+    /// First and last value.
+    pub ends: [f64; 2],
+    /// Values at which the colour changes, ascending, between the ends.
+    pub levels: Vec<f64>,
+}
+
+impl ColourBar {
+    /// Colour of the band with a number, from 0 below the first level: that of its middle.
+    pub fn colour(&self, band: usize) -> String {
+        let [low, high] = self.ends;
+        let below = band.checked_sub(1).and_then(|k| self.levels.get(k));
+        let [from, to] = [below, self.levels.get(band)].map(Option::<&f64>::copied);
+        let middle = 0.5 * (from.unwrap_or(low) + to.unwrap_or(high));
+        colour::sequential((middle - low) / (high - low))
+    }
+}
+
+/// Shape of the plot area.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Labels {
-    /// Slope, degrees: 0 side by side, more where there is no room for that.
-    slope: f64,
-    /// Width to which labels are cut, px.
-    width: f64,
-    /// Every how many-th label is written.
-    every: usize,
+pub enum Format {
+    /// As wide as the picture, with this height, px.
+    Height(f64),
+    /// A square of this side, px.
+    Square(f64),
 }
 
-/// Largest width of a label, px.
-const WIDEST_LABEL: f64 = 200.0;
-/// Slope of labels that are too long to stand side by side, degrees.
-const SLOPE: f64 = 35.0;
-/// Largest height of upright labels, px.
-const TALLEST_LABEL: f64 = 150.0;
-/// Distance that lines of text need, px.
-const LINE: f64 = SMALL_TEXT + 2.0;
-
-impl Labels {
-    /// Chooses a slope for labels with `room` px each, the first of them at `first` px from the
-    /// left edge of what the plot may take of the picture.
-    fn new(plan: &AxisPlan, room: f64, first: f64) -> Self {
-        let wanted = plan.ticks.width(SMALL_TEXT);
-        if plan.grid == GridStyle::Lines || wanted + 6.0 <= room {
-            return Self {
-                slope: 0.0,
-                width: wanted,
-                every: 1,
-            };
-        }
-        let (sine, cosine) = SLOPE.to_radians().sin_cos();
-        // A slanted label reaches to the left of its mark, but must not reach into a neighbour.
-        let reach = ((first - 6.0) / cosine).min(WIDEST_LABEL);
-        if room * sine >= LINE && wanted <= reach {
-            return Self {
-                slope: SLOPE,
-                width: wanted,
-                every: 1,
-            };
-        }
-        let mut every = 1;
-        while every as f64 * room < LINE {
-            every += 1;
-        }
-        Self {
-            slope: 90.0,
-            width: wanted.min(TALLEST_LABEL),
-            every,
-        }
-    }
-
-    /// Height below the marks, px.
-    fn height(&self) -> f64 {
-        if self.slope == 0.0 {
-            SMALL_TEXT + 4.0
-        } else {
-            self.width * self.slope.to_radians().sin() + SMALL_TEXT + 2.0
-        }
-    }
+/// A chart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plot {
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// What is drawn, the first lowest.
+    pub marks: Vec<Mark>,
+    /// Scale of colours; `None` without one.
+    pub bar: Option<ColourBar>,
+    /// Shape of the plot area.
+    pub format: Format,
 }
 
 impl Plot {
-    /// Plans the area so that labels and titles find room.
-    pub(crate) fn new(outside: Outside, x_plan: AxisPlan, y_plan: AxisPlan) -> Self {
-        let y_width = y_plan.ticks.width(SMALL_TEXT).min(WIDEST_LABEL);
-        let y_title = if y_plan.title.is_empty() {
-            4.0
-        } else {
-            TEXT + 12.0
-        };
-        let left = outside.left + y_title + y_width + TICK + 4.0;
-        let room = (outside.right - left) / x_plan.ticks.values.len().max(1) as f64;
-        let x_labels = Labels::new(&x_plan, room, left - outside.left + 0.5 * room);
-        let label_height = x_labels.height();
-        let x_title = if x_plan.title.is_empty() {
-            4.0
-        } else {
-            TEXT + 10.0
-        };
-        let bottom = outside.bottom - x_title - label_height - TICK;
-        let area = Rect {
-            left,
-            top: outside.top,
-            right: outside.right,
-            bottom,
+    /// Axes without marks. With names on the vertical axis the height follows from their number.
+    pub fn new(x: Axis, y: Axis) -> Self {
+        let format = match &y {
+            Axis::Names(names) => Format::Height(24.0 * names.len() as f64),
+            _ => Format::Height(340.0),
         };
         Self {
-            area,
-            x: Scale {
-                domain: x_plan.domain,
-                start: area.left,
-                end: area.right,
-            },
-            y: Scale {
-                domain: y_plan.domain,
-                start: area.bottom,
-                end: area.top,
-            },
-            x_plan,
-            y_plan,
-            x_labels,
+            x,
+            y,
+            marks: Vec::new(),
+            bar: None,
+            format,
         }
     }
 
-    /// The same plot with its lower edge elsewhere; what stands below moves along.
-    pub(crate) fn with_bottom(mut self, bottom: f64) -> Self {
-        self.area.bottom = bottom;
-        self.y.start = bottom;
+    /// The plot with a mark over those that it has.
+    #[must_use]
+    pub fn with(mut self, mark: Mark) -> Self {
+        self.marks.push(mark);
         self
     }
 
-    /// Height of marks and labels below the plot, px.
-    pub(crate) fn height_below(&self) -> f64 {
-        TICK + self.x_labels.height()
+    /// The plot with marks over those that it has.
+    #[must_use]
+    pub fn with_all(mut self, marks: impl IntoIterator<Item = Mark>) -> Self {
+        self.marks.extend(marks);
+        self
     }
 
-    /// Place of a pair of values.
-    pub(crate) fn place(&self, x: f64, y: f64) -> Point {
-        at(self.x.pixel(x), self.y.pixel(y))
-    }
-
-    /// Draws grid lines; done first, so that everything else lies over them.
-    pub(crate) fn draw_grid(&self, canvas: &mut Canvas) {
-        let Rect {
-            left,
-            top,
-            right,
-            bottom,
-        } = self.area;
-        let stroke = Stroke::solid(GRID, 1.0);
-        if self.x_plan.grid == GridStyle::Lines {
-            for &value in &self.x_plan.ticks.values {
-                let x = self.x.pixel(value);
-                canvas.line(at(x, top), at(x, bottom), &stroke);
-            }
-        }
-        if self.y_plan.grid == GridStyle::Lines {
-            for &value in &self.y_plan.ticks.values {
-                let y = self.y.pixel(value);
-                canvas.line(at(left, y), at(right, y), &stroke);
-            }
-        }
-    }
-
-    /// Draws axis lines, marks, labels and titles; done last.
-    pub(crate) fn draw_axes(&self, canvas: &mut Canvas) {
-        let Rect {
-            left,
-            top,
-            right,
-            bottom,
-        } = self.area;
-        let stroke = Stroke::solid(AXIS, 1.0);
-        canvas.line(at(left, bottom), at(right, bottom), &stroke);
-        canvas.line(at(left, top), at(left, bottom), &stroke);
-        self.draw_x_labels(canvas);
-        for (&value, label) in self
-            .y_plan
-            .ticks
-            .values
-            .iter()
-            .zip(&self.y_plan.ticks.labels)
-        {
-            let y = self.y.pixel(value);
-            canvas.line(at(left - TICK, y), at(left, y), &stroke);
-            let label = fitted(label, SMALL_TEXT, WIDEST_LABEL);
-            canvas.text(
-                at(left - TICK - 4.0, y),
-                &label,
-                &TextStyle::small(Anchor::End),
-            );
-        }
-        self.draw_titles(canvas);
-    }
-
-    /// Draws marks and labels of the horizontal axis.
-    fn draw_x_labels(&self, canvas: &mut Canvas) {
-        let bottom = self.area.bottom;
-        let ticks = &self.x_plan.ticks;
-        for (index, (&value, label)) in ticks.values.iter().zip(&ticks.labels).enumerate() {
-            let x = self.x.pixel(value);
-            canvas.line(
-                at(x, bottom),
-                at(x, bottom + TICK),
-                &Stroke::solid(AXIS, 1.0),
-            );
-            if index % self.x_labels.every != 0 {
-                continue;
-            }
-            let label = fitted(label, SMALL_TEXT, self.x_labels.width + 1.0);
-            let y = bottom + TICK + 0.5 * SMALL_TEXT + 3.0;
-            if self.x_labels.slope == 0.0 {
-                canvas.text(at(x, y), &label, &TextStyle::small(Anchor::Middle));
-            } else {
-                let turn = -self.x_labels.slope;
-                let style = TextStyle {
-                    turn,
-                    ..TextStyle::small(Anchor::End)
-                };
-                let aside = 4.0 * turn.to_radians().cos();
-                canvas.text(at(x + aside, y - 4.0 + aside), &label, &style);
-            }
-        }
-    }
-
-    /// Draws the titles of both axes.
-    fn draw_titles(&self, canvas: &mut Canvas) {
-        let Rect {
-            left,
-            top,
-            right,
-            bottom,
-        } = self.area;
-        let style = TextStyle {
-            size: TEXT,
-            ..TextStyle::small(Anchor::Middle)
+    /// What the plot shows, for messages and for readers who cannot see it: "angle (°) against friction".
+    pub(crate) fn description(&self) -> String {
+        let title = |axis: &Axis| match axis {
+            Axis::Numbers { title, .. } => title.to_string(),
+            Axis::Names(_) | Axis::Hidden(_) => String::new(),
         };
-        if !self.x_plan.title.is_empty() {
-            let below = TICK + self.x_labels.height();
-            let text = fitted(&self.x_plan.title_text(), TEXT, right - left + 60.0);
-            canvas.text(
-                at(0.5 * (left + right), bottom + below + 0.5 * TEXT + 3.0),
-                &text,
-                &style,
-            );
-        }
-        if !self.y_plan.title.is_empty() {
-            let width = self.y_plan.ticks.width(SMALL_TEXT).min(WIDEST_LABEL);
-            let x = left - TICK - 4.0 - width - 0.5 * TEXT - 7.0;
-            let text = fitted(&self.y_plan.title_text(), TEXT, bottom - top + 60.0);
-            let style = TextStyle {
-                turn: -90.0,
-                ..style
-            };
-            canvas.text(at(x, 0.5 * (top + bottom)), &text, &style);
+        match (&self.bar, title(&self.y), title(&self.x)) {
+            (Some(bar), y, x) => format!("{} over {x} and {y}", bar.title),
+            (None, y, x) if y.is_empty() => x,
+            (None, y, x) if x.is_empty() => y,
+            (None, y, x) => format!("{y} against {x}"),
         }
     }
-}
 
-/// Draws an upright or level error bar with caps.
-pub(crate) fn draw_error_bar(canvas: &mut Canvas, ends: [Point; 2], colour: &str) {
-    let stroke = Stroke::solid(colour, 1.2);
-    let [from, to] = ends;
-    canvas.line(from, to, &stroke);
-    let upright = from.x == to.x;
-    for end in ends {
-        let [one, other] = if upright {
-            [at(end.x - 3.0, end.y), at(end.x + 3.0, end.y)]
-        } else {
-            [at(end.x, end.y - 3.0), at(end.x, end.y + 3.0)]
-        };
-        canvas.line(one, other, &stroke);
-    }
-}
-
-/// Draws a heading of a panel, centred over its area.
-pub(crate) fn draw_panel_title(canvas: &mut Canvas, area: &Rect, title: &str) {
-    let text = fitted(title, TEXT, area.width() + 20.0);
-    let style = TextStyle {
-        size: TEXT,
-        weight: Weight::Bold,
-        colour: INK,
-        ..TextStyle::small(Anchor::Middle)
-    };
-    canvas.text(
-        at(0.5 * (area.left + area.right), area.top - 12.0),
-        &text,
-        &style,
-    );
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn domain_fills_the_plot_from_edge_to_edge() {
-        let outside = Outside {
-            left: 8.0,
-            top: 20.0,
-            right: 600.0,
-            bottom: 400.0,
-        };
-        let plan =
-            |low, high| AxisPlan::numbers(&AxisTitle::new("a", "m"), Domain { low, high }, 5.0);
-        let plot = Plot::new(outside, plan(-1.0, 3.0), plan(10.0, 20.0));
-        assert_eq!(
-            plot.place(-1.0, 10.0),
-            Point {
-                x: plot.area.left,
-                y: plot.area.bottom
-            }
-        );
-        assert_eq!(plot.place(3.0, 20.0), Point { x: 600.0, y: 20.0 });
-        let middle = plot.place(1.0, 15.0);
-        assert_eq!(middle.x, 0.5 * (plot.area.left + 600.0));
-        assert_eq!(middle.y, 0.5 * (plot.area.bottom + 20.0));
-        assert!(
-            plot.area.left > 30.0 && plot.area.bottom < 370.0,
-            "room for labels and titles"
-        );
-    }
-
-    #[test]
-    fn names_that_are_too_long_are_turned_and_too_many_are_thinned_out() {
-        let labels = |names: &[&str], room: f64| {
-            Labels::new(
-                &AxisPlan::names(&AxisTitle::default(), names.iter().copied()),
-                room,
-                120.0,
+    /// Refuses what cannot be drawn.
+    ///
+    /// # Errors
+    /// [`Error::TooFew`], [`Error::NonFinite`], [`Error::OutOfRange`].
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let of = |field| Field::new("chart", field);
+        // Levels, texts and dashed lines are read with what is shown, and show nothing alone.
+        let is_aid = |mark: &Mark| {
+            matches!(
+                mark,
+                Mark::Level { .. } | Mark::Text { .. } | Mark::Line { dashed: true, .. }
             )
         };
-        assert_eq!(labels(&["a", "b"], 40.0).slope, 0.0);
-        assert_eq!(labels(&["condition 1", "condition 2"], 40.0).slope, SLOPE);
-        assert_eq!(labels(&["condition 1", "condition 2"], 16.0).slope, 90.0);
-        // 14 px a line: every third of labels that are 6 px apart.
-        assert_eq!(labels(&["condition 1", "condition 2"], 6.0).every, 3);
+        let shows = |mark: &&Mark| !is_aid(mark);
+        let shown = self.marks.iter().filter(shows);
+        of("places").at_least(1, shown.map(|mark| mark.places().len()).sum())?;
+        for axis in [&self.x, &self.y] {
+            if let Axis::Numbers {
+                ends: Some(ends), ..
+            }
+            | Axis::Hidden(ends) = axis
+            {
+                of("end of an axis").finite(*ends)?;
+            }
+        }
+        for mark in &self.marks {
+            let places = mark.places();
+            of("x").finite(places.iter().map(|place| place[0]))?;
+            of("y").finite(places.iter().map(|place| place[1]))?;
+            if let Mark::Points { points, .. } = mark {
+                of("error").not_negative(points.iter().map(|point| point.x_error))?;
+                of("error").not_negative(points.iter().map(|point| point.y_error))?;
+            }
+        }
+        Ok(())
     }
 }

@@ -4,23 +4,23 @@ use std::fmt::Write as _;
 
 /// Blue, first choice. The series colours are the set of Okabe and Ito, chosen to stay apart for
 /// colour-blind readers, in the order of their contrast with white paper.
-pub(crate) const BLUE: &str = "#0072b2";
+pub const BLUE: &str = "#0072b2";
 /// Vermilion, second choice.
-pub(crate) const VERMILION: &str = "#d55e00";
+pub const VERMILION: &str = "#d55e00";
 /// Series colours in order of use.
 pub(crate) const SERIES: [&str; 7] = [
     BLUE, VERMILION, "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#4d4d4d",
 ];
 /// Text.
-pub(crate) const INK: &str = "#222222";
+pub const INK: &str = "#222222";
 /// Axis lines and tick marks.
-pub(crate) const AXIS: &str = "#555555";
+pub const AXIS: &str = "#555555";
 /// Grid lines.
 pub(crate) const GRID: &str = "#e6e6e6";
 /// Paper.
-pub(crate) const PAPER: &str = "#ffffff";
+pub const PAPER: &str = "#ffffff";
 /// Bands of noise and steady parts.
-pub(crate) const BAND: &str = "#dfe7ee";
+pub const BAND: &str = "#dfe7ee";
 
 /// Width of every chart, px.
 pub(crate) const WIDTH: f64 = 640.0;
@@ -32,7 +32,7 @@ pub(crate) const TEXT: f64 = 13.0;
 pub(crate) const MARKER: f64 = 4.0;
 
 /// Colour number `index` of a series; colours repeat after seven.
-pub(crate) fn series_colour(index: usize) -> &'static str {
+pub fn series(index: usize) -> &'static str {
     SERIES[index % SERIES.len()]
 }
 
@@ -52,7 +52,7 @@ const SEQUENTIAL: [[f64; 3]; 6] = [
     clippy::cast_sign_loss,
     reason = "clamped to the scale just before"
 )]
-pub(crate) fn sequential_colour(share: f64) -> String {
+pub fn sequential(share: f64) -> String {
     let last = SEQUENTIAL.len() - 1;
     let place = share.clamp(0.0, 1.0) * last as f64;
     let below = (place.floor() as usize).min(last - 1);

@@ -64,7 +64,7 @@ impl<'a> Stroke<'a> {
 
 /// Which part of a text stands at its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Anchor {
+pub enum Anchor {
     /// Its beginning.
     Start,
     /// Its middle.
@@ -124,7 +124,7 @@ impl TextStyle<'_> {
 
 /// Shape of a marker, so that series differ in more than colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Shape {
+pub enum Shape {
     /// Circle.
     Circle,
     /// Square.
@@ -137,7 +137,7 @@ pub(crate) enum Shape {
 
 impl Shape {
     /// Shape number `index`; shapes repeat after four.
-    pub(crate) fn of_series(index: usize) -> Self {
+    pub fn of_series(index: usize) -> Self {
         [Self::Circle, Self::Square, Self::Triangle, Self::Diamond][index % 4]
     }
 }
@@ -178,11 +178,11 @@ impl Canvas {
         canvas
     }
 
-    /// The finished picture. `chart` names its kind, `description` is for readers who cannot see.
-    pub(crate) fn finish(self, chart: &'static str, description: &str) -> Result<Svg, Error> {
+    /// The finished picture; `description` is for readers who cannot see it.
+    pub(crate) fn finish(self, description: &str) -> Result<Svg, Error> {
         if let Some(value) = self.broken {
             return Err(Error::NonFinite {
-                chart,
+                chart: "chart",
                 field: "coordinate",
                 index: 0,
                 value,

@@ -46,12 +46,9 @@ impl Domain {
         }
     }
 
-    /// The domain made longer, if needed, so that 0 is one of its ends or inside.
-    pub(crate) fn with_zero(self) -> Self {
-        Self {
-            low: self.low.min(0.0),
-            high: self.high.max(0.0),
-        }
+    /// Place of a value: 0 at the first end, 1 at the last.
+    pub(crate) fn share(self, value: f64) -> f64 {
+        (value - self.low) / (self.high - self.low)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use campaign::run_store::Record;
 use inference::diagnosis::TrialRow;
-use inference::{Calibration, CalibrationProblem, Parameter, ResidualStudy};
+use inference::{Calibration, CalibrationProblem, ResidualStudy};
 use scene::{FillingLibrary, Scene, TimeSpent};
 use std::collections::BTreeMap;
 
@@ -65,8 +65,6 @@ pub struct DiagnosisInput<'a> {
     pub seed: u64,
     /// SHA-256 of each input file, by file.
     pub inputs: &'a BTreeMap<String, String>,
-    /// The parameters of the study, for their units.
-    pub parameters: &'a [Parameter],
     /// What the file left out and what was taken instead, one sentence each.
     pub defaults: &'a [String],
     /// Effects that the scenes cannot carry, with the reason.

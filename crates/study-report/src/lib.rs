@@ -1,11 +1,11 @@
-//! The result of a study as a report page, tables and pictures.
+//! A study as a page: while it runs, and its result.
 //!
 //! [`write()`] shows a [`inference::Calibration`]: the error of every measurement before and after, the parameters,
 //! what the measurements fix and what they leave open, and how that was found. [`write_diagnosis`] shows the study of
 //! a residual alone. Nothing is simulated or fitted here, and no file is read: everything comes in the input.
 //!
-//! Invariants: the same input gives the same bytes; a file is written whole or not at all; what is undefined is a dash
-//! on the page and an empty field in a table; what is not there leaves no heading.
+//! Invariants: the same input gives the same bytes; the page is written whole or not at all; what is undefined is a dash;
+//! what is not there leaves no heading.
 
 mod answer;
 mod design_points;
@@ -21,7 +21,6 @@ mod pictures;
 mod residual;
 mod run_details;
 mod running;
-mod tables;
 #[cfg(test)]
 mod test_input;
 #[cfg(test)]
@@ -41,5 +40,5 @@ pub use error::Error;
 pub use exploration::{SurfaceWithSliders, explored_surface};
 pub use input::{ComparedValue, DiagnosisInput, ReportInput};
 pub use open_words::open_in_words;
-pub use output::{Extent, write, write_diagnosis};
+pub use output::{write, write_diagnosis};
 pub use running::{RunningCampaign, RunningPage, RunningStage};

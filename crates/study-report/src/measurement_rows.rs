@@ -89,14 +89,6 @@ pub(crate) fn place(scene: &str, condition: &BTreeMap<String, String>) -> String
     format!("{scene}, {}", settings.join(", "))
 }
 
-/// A condition with whole paths, for tables.
-pub(crate) fn condition_text(condition: &BTreeMap<String, String>) -> String {
-    let settings = condition
-        .iter()
-        .map(|(path, value)| format!("{path} = {value}"));
-    settings.collect::<Vec<_>>().join("; ")
-}
-
 /// Root mean square of z over the comparisons that are there; none without any.
 pub(crate) fn root_mean_square_z<'a>(
     comparisons: impl Iterator<Item = Option<&'a Comparison>>,

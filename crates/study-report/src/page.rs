@@ -15,9 +15,11 @@ mod search_section;
 mod seed_section;
 mod surface_section;
 
-use crate::pictures::{self, NamedPicture};
 use crate::{Error, ReportInput};
-use report::{Report, Table};
+use report::{Plot, Report, Table};
+
+/// Most bytes of frames in a page: with more it would open slowly.
+const MOST_FRAME_BYTES: usize = 6_000_000;
 
 /// The report in the making, with everything that it speaks of.
 struct Page<'a> {
@@ -25,20 +27,15 @@ struct Page<'a> {
     report: Report,
     /// What is shown.
     input: &'a ReportInput<'a>,
-    /// The pictures.
-    pictures: &'a [NamedPicture],
+    /// Bytes of frames that the page still has room for.
+    room_for_frames: usize,
 }
 
 impl Page<'_> {
-    /// Adds a chart where it could be drawn.
-    fn chart(&mut self, name: &str, caption: &str) {
-        chart(&mut self.report, self.pictures, name, caption);
-    }
-
-    /// Adds a PNG picture where there is one.
-    fn png(&mut self, name: &str, description: &str, caption: &str) -> Result<(), Error> {
-        if let Some(bytes) = pictures::png(self.pictures, name) {
-            self.report.picture(bytes, description, caption)?;
+    /// Adds a chart if there is one.
+    fn chart(&mut self, chart: Option<&Plot>, caption: &str) -> Result<(), Error> {
+        if let Some(chart) = chart {
+            self.report.figure(&chart.draw()?, caption);
         }
         Ok(())
     }
@@ -46,13 +43,6 @@ impl Page<'_> {
     /// Adds a table.
     fn table(&mut self, table: &Table) {
         self.report.table(table);
-    }
-}
-
-/// Adds a chart where it could be drawn.
-fn chart(report: &mut Report, pictures: &[NamedPicture], name: &str, caption: &str) {
-    if let Some(svg) = pictures::chart(pictures, name) {
-        report.figure(svg, caption);
     }
 }
 
@@ -65,15 +55,17 @@ pub(crate) fn list(report: &mut Report, sentence: &str, lines: &[String]) {
 }
 
 /// Makes the page of a calibration as HTML.
-pub(crate) fn study_page(
-    input: &ReportInput<'_>,
-    pictures: &[NamedPicture],
-) -> Result<String, Error> {
+pub(crate) fn study_page(input: &ReportInput<'_>) -> Result<String, Error> {
+    with_room(input, MOST_FRAME_BYTES)
+}
+
+/// The same with room for so many bytes of frames of the runs of designs.
+pub(crate) fn with_room(input: &ReportInput<'_>, room_for_frames: usize) -> Result<String, Error> {
     let title = format!("Calibration {}, profile {}", input.name, input.profile);
     let mut page = Page {
         report: Report::new(title),
         input,
-        pictures,
+        room_for_frames,
     };
     opening_section::add(&mut page)?;
     explorer_section::add(&mut page)?;

@@ -2,7 +2,6 @@
 
 use super::numbers::digits;
 use inference::{AddedEffect, ErrorPair, RealErrors, ResidualStudy, StudyCondition};
-use report::Role;
 
 /// A condition in words, short.
 pub(crate) fn condition_name(condition: &StudyCondition) -> String {
@@ -21,15 +20,6 @@ pub(crate) fn condition_name(condition: &StudyCondition) -> String {
         .map(part)
         .collect::<Vec<_>>()
         .join(", ")
-}
-
-/// What a condition was used for.
-pub(crate) fn role(condition: &StudyCondition) -> Role {
-    if condition.used {
-        Role::Fit
-    } else {
-        Role::Check
-    }
 }
 
 /// Standard error of observed minus simulated, unit of the observable: that of the observation,

@@ -16,7 +16,7 @@ pub(crate) struct Seeds {
     pub(crate) bodies: Vec<ViewerBody>,
 }
 
-/// Series, last frame and seeds of a run, as its record keeps them; what is missing is empty.
+/// Series and seeds of a run, as its record keeps them; what is missing is empty.
 #[derive(Debug, Clone)]
 pub(crate) struct RunDetails {
     /// Times of the series, s.
@@ -27,8 +27,6 @@ pub(crate) struct RunDetails {
     pub(crate) start_up_s: Option<f64>,
     /// Times of the frames, s.
     pub(crate) frame_times_s: Vec<f64>,
-    /// The last frame as PNG.
-    pub(crate) last_frame: Option<Vec<u8>>,
     /// The seeds in the last frame.
     pub(crate) seeds: Option<Seeds>,
 }
@@ -47,7 +45,6 @@ impl RunDetails {
             centre_of_mass_deg: numbers("series", "centre_of_mass_deg"),
             start_up_s: details["start_up_s"].as_f64(),
             frame_times_s: numbers("frames", "times_s"),
-            last_frame: Self::last_frame_of(record),
             seeds: Seeds::of(&details["last_bodies"]),
         }
     }
@@ -136,8 +133,12 @@ mod tests {
             (details.start_up_s, details.frame_times_s),
             (Some(0.5), vec![0.5])
         );
-        assert_eq!(details.last_frame.as_deref(), Some(b"hi".as_slice()));
-        let empty = RunDetails::of(&Record::new("0", json!({}), 1).expect("a record"));
-        assert!(empty.times_s.is_empty() && empty.last_frame.is_none());
+        assert_eq!(
+            RunDetails::last_frame_of(&record).as_deref(),
+            Some(b"hi".as_slice())
+        );
+        let empty = Record::new("0", json!({}), 1).expect("a record");
+        assert!(RunDetails::of(&empty).times_s.is_empty());
+        assert_eq!(RunDetails::last_frame_of(&empty), None);
     }
 }

@@ -8,8 +8,8 @@ use image::RgbImage;
 use image::codecs::jpeg::JpegEncoder;
 use photo_profile::Mode;
 use report::{
-    AxisTitle, Column, Fact, Level, LineSeries, Pointed, PointingPicture, PointingTool, Report,
-    Series, SeriesPoint, Table, Tone,
+    Axis, Column, Fact, Mark, Plot, PlotPoint, Pointed, PointingPicture, PointingTool, Report,
+    Table, Tone, series,
 };
 use surface_profile::Definition;
 
@@ -330,54 +330,41 @@ fn with_error(angle: f64, error: Option<f64>) -> String {
 }
 
 /// The angle over the pictures, or over time where it is known; none of fewer than two.
-fn course(all: &[Shown<'_>], mean: Option<f64>) -> Option<LineSeries> {
+fn course(all: &[Shown<'_>], mean: Option<f64>) -> Option<Plot> {
     let points = all.iter().filter_map(|shown| {
         let image = shown.image;
         let x = image.time_s.unwrap_or(shown.number as f64);
         let error = HALF_INTERVAL * image.angle_se_deg?;
-        Some(SeriesPoint::new(x, image.angle_deg?, error))
+        Some(PlotPoint::new(x, image.angle_deg?).with_error(error))
     });
-    let points: Vec<SeriesPoint> = points.collect();
-    let finite = |p: &SeriesPoint| p.x.is_finite() && p.y.is_finite() && p.error.is_finite();
+    let points: Vec<PlotPoint> = points.collect();
+    let finite = |p: &PlotPoint| p.x.is_finite() && p.y.is_finite() && p.y_error.is_finite();
     if points.len() < 2 || !points.iter().all(finite) {
         return None;
     }
     let timed = all.iter().any(|shown| shown.image.time_s.is_some());
     let x = if timed {
-        AxisTitle::new("Time", "s")
+        Axis::numbers("Time", "s")
     } else {
-        AxisTitle::new("Picture", "")
+        Axis::numbers("Picture", "")
     };
-    Some(LineSeries {
-        x,
-        y: AxisTitle::new("Angle", "\u{b0}"),
-        series: vec![Series {
-            name: "angle".to_owned(),
-            points,
-        }],
-        levels: mean
-            .map(|mean| Level::new("mean", mean))
-            .into_iter()
-            .collect(),
-    })
+    let plot = Plot::new(x, Axis::numbers("Angle", "\u{b0}")).with_all(series(0, "angle", points));
+    Some(plot.with_all(mean.map(|mean| Mark::level("mean", mean))))
 }
 
 /// The mean surface along the drum.
-fn mean_surface(interface: &Interface) -> LineSeries {
+fn mean_surface(interface: &Interface) -> Plot {
     let places = interface.x_radii.iter();
     let heights = interface.mean_radii.iter().zip(&interface.sd_radii);
     let points = places
         .zip(heights)
-        .map(|(x, (mean, sd))| SeriesPoint::new(*x, *mean, *sd));
-    LineSeries {
-        x: AxisTitle::new("Place along the drum", "radii"),
-        y: AxisTitle::new("Height over the axis", "radii"),
-        series: vec![Series {
-            name: "surface".to_owned(),
-            points: points.collect(),
-        }],
-        levels: Vec::new(),
-    }
+        .map(|(x, (mean, sd))| PlotPoint::new(*x, *mean).with_error(*sd));
+    let x = Axis::numbers("Place along the drum", "radii");
+    Plot::new(x, Axis::numbers("Height over the axis", "radii")).with_all(series(
+        0,
+        "surface",
+        points.collect(),
+    ))
 }
 
 /// All pictures as a table.

@@ -136,7 +136,7 @@ pub(crate) struct Arguments {
     #[arg(long, requires = "factors", conflicts_with_all = UNREAD_BY_GROUPS)]
     groups: bool,
 
-    /// Writes the charts into this folder as SVG and PNG
+    /// Writes the charts into this folder as SVG
     #[arg(long, value_name = "FOLDER")]
     plots: Option<PathBuf>,
 

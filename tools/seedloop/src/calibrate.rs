@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use study::{
     RunSettings, Study, StudyResult, plan_study, run_study, write_hand_over, write_result,
 };
-use study_report::{Extent, RunningPage};
+use study_report::RunningPage;
 
 pub(crate) use text::plan;
 
@@ -49,10 +49,6 @@ pub(crate) struct Arguments {
     /// Go on in a folder that exists: finished runs are reused, result files are renewed
     #[arg(long)]
     resume: bool,
-
-    /// Also write each picture (SVG, PNG) and each table (CSV) of the report as a file
-    #[arg(long)]
-    report_files: bool,
 
     #[command(flatten)]
     retries: Retries,
@@ -130,8 +126,7 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
     let files = write_hand_over(&folder, &study, &mut result)
         .with_context(|| format!("cannot write the results into {}", folder.display()))?;
     write_result(&folder.join("result.json"), &result, &StudyResult::CLOCK)?;
-    let extent = Extent::with_parts(arguments.report_files);
-    page.replace(|| report::write(&folder, &study, &simulator, &result, extent))?;
+    page.replace(|| report::write(&folder, &study, &simulator, &result))?;
     common.print(text::result(&result, &folder, &files).trim_end())?;
     common.emit_json(&result)?;
     Ok(if result.calibration.met {

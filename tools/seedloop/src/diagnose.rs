@@ -9,7 +9,6 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use study_report::Extent;
 
 /// Tells which effect, if any, a residual that re-tuning cannot remove speaks for
 #[derive(clap::Args, Debug)]
@@ -40,10 +39,6 @@ pub(crate) struct Arguments {
     /// Go on in a folder that exists: finished runs are reused, result files are renewed
     #[arg(long)]
     resume: bool,
-
-    /// Also write each picture (SVG, PNG) and each table (CSV) of the report of a study as a file
-    #[arg(long)]
-    report_files: bool,
 
     #[command(flatten)]
     retries: Retries,
@@ -88,7 +83,6 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
             seed: arguments.seed,
             out: arguments.out.clone(),
             resume: arguments.resume,
-            extent: Extent::with_parts(arguments.report_files),
             plan_only: arguments.plan,
             retries: arguments.retries.number,
             wait: arguments.wait.limit(),
@@ -99,12 +93,11 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         || arguments.from.is_some()
         || arguments.profile.is_some()
         || arguments.resume
-        || arguments.report_files
         || arguments.wait.limit().is_some()
         || arguments.plan;
     ensure!(
         !of_study,
-        "--out, --resume, --plan, --profile, --from, --report-files and --wait are for studies (.toml): {} is a problem, which needs no runs",
+        "--out, --resume, --plan, --profile, --from and --wait are for studies (.toml): {} is a problem, which needs no runs",
         path.display()
     );
     let diagnosis = diagnose_problem::run(path, arguments.seed)?;

@@ -24,7 +24,7 @@ use study::{
     DiagnosisPrice, DiagnosisResult, RunSettings, StagePrice, Study, plan_diagnosis, run_diagnosis,
     write_json, write_result,
 };
-use study_report::{Extent, RunningPage, answer};
+use study_report::{RunningPage, answer};
 
 /// What the command line says.
 #[derive(Debug)]
@@ -39,8 +39,6 @@ pub(crate) struct Options {
     pub(crate) out: Option<PathBuf>,
     /// Whether to go on in a folder that exists.
     pub(crate) resume: bool,
-    /// Which files the report is made of.
-    pub(crate) extent: Extent,
     /// Whether nothing is to be run.
     pub(crate) plan_only: bool,
     /// How often a run that diverges is tried again.
@@ -141,7 +139,7 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
     let (done, code) = match &result.diagnosis {
         DiagnosisStage::Done(done) => {
             write_json(&folder.join("problem.json"), &done.problem)?;
-            page.replace(|| report::write(&folder, &study, &result, done, options.extent, common))?;
+            page.replace(|| report::write(&folder, &result, done, common))?;
             common.print(found_text(&study, done).trim_end())?;
             let next = next::text(&study, &result, &folder);
             if !next.is_empty() {

@@ -21,6 +21,8 @@ pub(crate) enum Script {
     Fold,
     /// Pictures whose places are pointed at.
     Pointing,
+    /// Charts that are saved.
+    Figures,
     /// The age of a page that should be renewed.
     Age,
 }
@@ -35,6 +37,7 @@ impl Script {
             Self::Choice => include_str!("choice.js"),
             Self::Fold => include_str!("fold.js"),
             Self::Pointing => include_str!("pointing.js"),
+            Self::Figures => include_str!("figures.js"),
             Self::Age => include_str!("age.js"),
         }
     }
@@ -97,6 +100,7 @@ mod tests {
             Script::Choice,
             Script::Fold,
             Script::Pointing,
+            Script::Figures,
             Script::Age,
         ];
         let policy = policy("p {}", &scripts);

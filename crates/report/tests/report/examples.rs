@@ -1,10 +1,8 @@
-//! One example of every chart, with markup in every text.
+//! Plots with every kind of mark, with markup in every text.
 
 use report::{
-    AxisTitle, Bar, BarsWithTarget, Comparison, Contour, DesignRun, Error, FactorEffect,
-    HalfNormal, Level, LineSeries, MarkedPoint, Pareto, PredictedAgainstMeasured,
-    ResidualCondition, ResidualPanel, Residuals, Role, Scatter, Series, SeriesPoint, StackedBar,
-    StackedBars, Svg, Target, TimeSeries, TimeSpan,
+    Axis, AxisTitle, Error, Format, Grid, Mark, Plot, PlotPoint, Shape, Svg, colour, design_runs,
+    half_normal, marked_points, pareto, scatter, series,
 };
 
 /// A text that breaks a page if it is not escaped.
@@ -15,204 +13,98 @@ fn title() -> AxisTitle {
     AxisTitle::new(HOSTILE, HOSTILE)
 }
 
-/// Pareto chart of these effects.
-pub(crate) fn pareto(values: &[f64]) -> Pareto {
-    let effects = values
+/// Effects of these sizes.
+pub(crate) fn effects(values: &[f64]) -> Vec<(String, f64)> {
+    values
         .iter()
-        .map(|&value| FactorEffect::new(HOSTILE, value))
-        .collect();
-    Pareto {
-        size: title(),
-        effects,
-        limits: vec![Level::new(HOSTILE, 2.0), Level::new("b", 2.1)],
-    }
+        .map(|value| (HOSTILE.to_owned(), *value))
+        .collect()
 }
 
-/// Bars of two parts each.
-pub(crate) fn stacked_bars(values: &[f64]) -> StackedBars {
-    let bars = values.iter().map(|&size| StackedBar {
-        name: HOSTILE.into(),
-        sizes: vec![size, -0.5 * size],
-    });
-    StackedBars {
-        size: title(),
-        parts: vec![HOSTILE.into(), "b".into()],
-        bars: bars.collect(),
-        limits: vec![Level::new(HOSTILE, 2.0)],
-    }
+/// Values at 0, 1, 2 and so on, with error bars in both directions and names.
+pub(crate) fn points(values: &[f64]) -> Vec<PlotPoint> {
+    let point = |(index, value): (usize, &f64)| PlotPoint {
+        x_error: 0.1,
+        ..PlotPoint::new(index as f64, *value)
+            .with_error(0.1)
+            .with_label(HOSTILE)
+    };
+    values.iter().enumerate().map(point).collect()
 }
 
-/// Half-normal plot of these effects.
-pub(crate) fn half_normal(values: &[f64]) -> HalfNormal {
-    let effects = values
-        .iter()
-        .map(|&value| FactorEffect::new(HOSTILE, value))
-        .collect();
-    HalfNormal {
-        size: title(),
-        effects,
-        standard_error: Some(0.4),
-        named_above: 0.5,
-        limits: vec![Level::new(HOSTILE, 0.5)],
-    }
+/// Two series with a level.
+pub(crate) fn lines(values: &[f64]) -> Plot {
+    Plot::new(title().into(), title().into())
+        .with_all(series(0, HOSTILE, points(values)))
+        .with_all(series(1, HOSTILE, points(values)))
+        .with(Mark::level(HOSTILE, 1.0))
 }
 
-/// Contours of these values on two columns.
-pub(crate) fn contour(values: &[f64]) -> Contour {
-    Contour {
+/// A square with a dashed diagonal.
+pub(crate) fn square(values: &[f64]) -> Plot {
+    let mut plot = scatter(title(), title(), points(values), points(values))
+        .with(Mark::dashed(HOSTILE, vec![[-1e9, -1e9], [1e9, 1e9]]));
+    plot.format = Format::Square(430.0);
+    plot
+}
+
+/// Level bars by name, with a band and upright limits.
+pub(crate) fn bars(values: &[f64]) -> Plot {
+    let rows: Vec<(usize, [f64; 2])> = values.iter().map(|x| [0.0, *x]).enumerate().collect();
+    let names = values.iter().map(|_| HOSTILE.to_owned()).collect();
+    Plot::new(title().into(), Axis::Names(names))
+        .with(Mark::bars(HOSTILE, colour::BLUE, &rows))
+        .with(Mark::upright(HOSTILE, 2.0))
+        .with(Mark::upright("b", 2.1))
+}
+
+/// A grid of two columns with these values.
+pub(crate) fn grid(values: &[f64]) -> Grid {
+    let rows = values.len() / 2;
+    Grid {
         x: title(),
         y: title(),
         response: title(),
         x_values: vec![0.0, 1.0],
-        y_values: (0..values.len() / 2).map(|row| row as f64).collect(),
-        values: values.to_vec(),
-        target: Some(Level::new(HOSTILE, 1.5)),
-        region_name: HOSTILE.into(),
-        region: values.iter().map(|value| value - 1.0).collect(),
-        points: vec![MarkedPoint {
-            name: HOSTILE.into(),
-            x: 0.5,
-            y: 0.5,
-        }],
-        runs: vec![DesignRun {
-            name: HOSTILE.into(),
-            x: 0.5,
-            y: 0.5,
-            link: "#section-1".into(),
-        }],
+        y_values: (0..rows).map(|row| row as f64).collect(),
+        values: values[..2 * rows].to_vec(),
     }
 }
 
-/// These values over 0, 1, 2 and so on, each with a name.
-pub(crate) fn scatter(values: &[f64]) -> Scatter {
-    let points = values.iter().enumerate();
-    Scatter {
-        x: title(),
-        y: title(),
-        points: points
-            .map(|(index, &value)| [index as f64, value])
-            .collect(),
-        names: vec![HOSTILE.into(); values.len()],
-        marked: vec![MarkedPoint {
-            name: HOSTILE.into(),
-            x: 0.5,
-            y: 0.5,
-        }],
-        line: Some([0.0, 1.0]),
-        levels: vec![Level::new(HOSTILE, 2.0), Level::new("b", -1.0)],
-    }
-}
-
-/// Predictions around these values.
-pub(crate) fn predicted(values: &[f64]) -> PredictedAgainstMeasured {
-    let comparisons = values
-        .iter()
-        .enumerate()
-        .map(|(index, &value)| Comparison {
-            name: HOSTILE.into(),
-            measured: value,
-            measured_error: 0.1,
-            predicted: value + 0.2,
-            predicted_error: 0.3,
-            role: if index % 2 == 0 {
-                Role::Fit
-            } else {
-                Role::Check
-            },
-        })
-        .collect();
-    PredictedAgainstMeasured {
-        observable: title(),
-        comparisons,
-    }
-}
-
-/// Residuals of these values.
-pub(crate) fn residuals(values: &[f64]) -> Residuals {
-    let before: Vec<Option<f64>> = values.iter().copied().map(Some).collect();
-    let panel = ResidualPanel {
-        observable: title(),
-        noise: vec![0.5; before.len()],
-        residuals: vec![before.clone(), vec![None; before.len()], before],
+/// Contours of these values with everything that may be shown over them.
+pub(crate) fn contours(values: &[f64]) -> Result<Plot, Error> {
+    let grid = grid(values);
+    let field: Vec<f64> = grid.values.iter().map(|value| value - 1.0).collect();
+    let point = || PlotPoint::new(0.5, 0.5).with_label(HOSTILE);
+    let run = PlotPoint {
+        tip: HOSTILE.into(),
+        link: "#section-1".into(),
+        ..point()
     };
-    Residuals {
-        models: vec![HOSTILE.into(); 3],
-        noise_name: HOSTILE.into(),
-        conditions: values
-            .iter()
-            .map(|_| ResidualCondition {
-                name: HOSTILE.into(),
-                role: Role::Check,
-            })
-            .collect(),
-        panels: vec![panel.clone(), panel],
-    }
+    let mut also = grid.region(HOSTILE, &field)?.to_vec();
+    also.extend(grid.bold_line(HOSTILE, 1.0)?);
+    also.push(marked_points(vec![point()]));
+    also.extend(design_runs(vec![run.clone(), run]));
+    grid.contours(also)
 }
 
-/// Two series of these values over 0, 1, 2 and so on.
-pub(crate) fn lines(values: &[f64]) -> LineSeries {
-    let points: Vec<SeriesPoint> = values
-        .iter()
-        .enumerate()
-        .map(|(index, &value)| SeriesPoint::new(index as f64, value, 0.1))
-        .collect();
-    let series = Series {
-        name: HOSTILE.into(),
-        points,
-    };
-    LineSeries {
-        x: title(),
-        y: title(),
-        series: vec![series.clone(), series],
-        levels: vec![Level::new(HOSTILE, 1.0)],
-    }
-}
-
-/// Bars of these values.
-pub(crate) fn bars(values: &[f64]) -> BarsWithTarget {
-    BarsWithTarget {
-        value_title: title(),
-        bars: values
-            .iter()
-            .map(|&value| Bar {
-                name: HOSTILE.into(),
-                value,
-                error: 0.2,
-            })
-            .collect(),
-        target: Target {
-            name: HOSTILE.into(),
-            value: 1.0,
-            half_width: 0.1,
-        },
-    }
-}
-
-/// A time series of these values at 0, 1, 2 and so on.
-pub(crate) fn timeseries(values: &[f64]) -> TimeSeries {
-    TimeSeries {
-        time_title: title(),
-        value_title: title(),
-        times: (0..values.len()).map(|index| index as f64).collect(),
-        values: values.to_vec(),
-        steady: Some(TimeSpan { from: 0.5, to: 1.0 }),
-        samples: vec![0.75],
-        levels: vec![Level::new(HOSTILE, 1.0)],
-    }
-}
-
-/// Every chart of the same values.
+/// Every kind of plot of the same values.
 pub(crate) fn all(values: &[f64]) -> Vec<(&'static str, Result<Svg, Error>)> {
+    let limits = [(HOSTILE, 0.5), ("b", 2.1)];
+    let effects = effects(values);
+    let hidden = Plot::new(Axis::Hidden([0.0, 8.0]), Axis::Hidden([-20.0, 20.0])).with(
+        Mark::points("", Shape::Diamond, colour::INK, points(values)),
+    );
     vec![
-        ("pareto", pareto(values).draw()),
-        ("half-normal", half_normal(values).draw()),
-        ("stacked-bars", stacked_bars(values).draw()),
-        ("contour", contour(values).draw()),
-        ("scatter", scatter(values).draw()),
-        ("predicted", predicted(values).draw()),
-        ("residuals", residuals(values).draw()),
-        ("lines", lines(values).draw()),
+        ("pareto", pareto(&title(), &effects, &limits).draw()),
+        (
+            "half-normal",
+            half_normal(&title(), &effects, Some(0.4), &limits).draw(),
+        ),
         ("bars", bars(values).draw()),
-        ("timeseries", timeseries(values).draw()),
+        ("contours", contours(values).and_then(|plot| plot.draw())),
+        ("square", square(values).draw()),
+        ("lines", lines(values).draw()),
+        ("hidden", hidden.draw()),
     ]
 }

@@ -14,7 +14,7 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
     let input = page.input;
     page.report.section("Inputs and settings").paragraph(
         "The same version, inputs and seed give the same numbers. result.json holds all of them in full precision, \
-         runs/ a record of every run; --report-files writes every table as CSV and every figure as SVG or PNG.",
+         runs/ a record of every run.",
     );
     settings(page)?;
     defaults(&mut page.report, input.defaults);

@@ -1,12 +1,11 @@
 //! The runs behind the surfaces, each point of a design folded up.
 
-use super::Page;
+use super::{MOST_FRAME_BYTES, Page};
 use crate::Error;
 use crate::design_points::{DesignPoint, design_points};
 use crate::numbers::{DASH, digits, digits_or_dash, in_unit, observable};
-use crate::pictures;
-use crate::pictures::design_run_pictures::{MOST_BYTES, frame_name, last_frame, series_name};
-use crate::pictures::photographs::shows_drum;
+use crate::pictures::run_charts::series_of;
+use crate::run_details::RunDetails;
 use inference::ModelSurfaces;
 use report::{Column, Table, counted};
 
@@ -28,7 +27,7 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
             settings(page, model, &point)?;
             observables(page, model, &point)?;
             for &run in &point.runs {
-                pictures(page, number, model, run)?;
+                pictures(page, model, run)?;
             }
             page.report.end_fold();
         }
@@ -96,40 +95,31 @@ fn observables(
     Ok(())
 }
 
-/// Last frame and series of a run.
-fn pictures(
-    page: &mut Page<'_>,
-    number: usize,
-    model: &ModelSurfaces,
-    run: usize,
-) -> Result<(), Error> {
-    let reading = if shows_drum(page.input, &model.model) {
-        ", with the line fitted to its surface (orange)"
-    } else {
-        ""
+/// Last frame and series of a run, as far as its record keeps them.
+fn pictures(page: &mut Page<'_>, model: &ModelSurfaces, run: usize) -> Result<(), Error> {
+    let key = model.keys.get(run);
+    let Some(record) = key.and_then(|key| page.input.records.get(key)) else {
+        return Ok(());
     };
-    let words = format!("Last frame of run {}", run + 1);
-    if pictures::png(page.pictures, &frame_name(number, run)).is_none()
-        && last_frame(page.input, model, run).is_some()
-    {
-        page.report.paragraph(&format!(
-            "The last frame of run {} is kept in its record alone: more than {} MB of frames would make this page slow.",
-            run + 1,
-            MOST_BYTES / 1_000_000
-        ));
+    if let Some(frame) = RunDetails::last_frame_of(record) {
+        if frame.len() <= page.room_for_frames {
+            page.room_for_frames -= frame.len();
+            let words = format!("Last frame of run {}", run + 1);
+            page.report.picture(&frame, &words, &format!("{words}."))?;
+        } else {
+            page.report.paragraph(&format!(
+                "The last frame of run {} is kept in its record alone: more than {} MB of frames would make this page slow.",
+                run + 1,
+                MOST_FRAME_BYTES / 1_000_000
+            ));
+        }
     }
-    page.png(
-        &frame_name(number, run),
-        &words,
-        &format!("{words}{reading}."),
-    )?;
     page.chart(
-        &series_name(number, run),
+        series_of(record).as_ref(),
         &format!(
             "Run {}: direction of the centre of mass over time, the part behind the start-up (band), and the moments of \
              the frames (dots).",
             run + 1
         ),
-    );
-    Ok(())
+    )
 }

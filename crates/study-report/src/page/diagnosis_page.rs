@@ -2,21 +2,20 @@
 
 use super::closing_section::{defaults, inputs, spent};
 use super::residual_parts::answer_colour;
-use super::{chart, residual_section};
+use super::residual_section;
 use crate::numbers::{digits, fixed, listed};
-use crate::output::DIAGNOSIS;
-use crate::pictures::NamedPicture;
+use crate::pictures::residual_charts;
 use crate::{DiagnosisInput, Error};
 use inference::ResidualStudy;
 use inference::diagnosis::{NearestEffect, TrialRow, Truth};
 use report::{Column, Fact, Report, Table, counted};
 
 /// Makes the page as HTML.
-pub(crate) fn page(input: &DiagnosisInput<'_>, pictures: &[NamedPicture]) -> Result<String, Error> {
+pub(crate) fn page(input: &DiagnosisInput<'_>) -> Result<String, Error> {
     let mut report = Report::new(format!("Diagnosis {}", input.name));
-    answer(&mut report, input, pictures);
+    answer(&mut report, input)?;
     report.section("What it rests on");
-    residual_section::add(&mut report, pictures, DIAGNOSIS, input.study)?;
+    residual_section::add(&mut report, input.study)?;
     next_measurement(&mut report, input.study)?;
     known_truth(&mut report, input.trials)?;
     closing(&mut report, input);
@@ -24,7 +23,7 @@ pub(crate) fn page(input: &DiagnosisInput<'_>, pictures: &[NamedPicture]) -> Res
 }
 
 /// The answer on one screen.
-fn answer(report: &mut Report, input: &DiagnosisInput<'_>, pictures: &[NamedPicture]) {
+fn answer(report: &mut Report, input: &DiagnosisInput<'_>) -> Result<(), Error> {
     let (study, d) = (input.study, &input.study.diagnosis);
     let told = crate::answer(study);
     report.section("The answer");
@@ -47,26 +46,18 @@ fn answer(report: &mut Report, input: &DiagnosisInput<'_>, pictures: &[NamedPict
         ),
     ));
     report.facts(&facts);
-    let stages = match study.after {
-        Some(_) => ", before and after",
-        None => "",
-    };
-    chart(
-        report,
-        pictures,
-        &format!("{DIAGNOSIS}-evidence"),
-        "What speaks for each effect: how much of the sum of squares of the residual it takes off, by observable and \
-         scene, the parameters fitted anew inside their limits. A part to the left of 0 speaks against the effect.",
-    );
-    chart(
-        report,
-        pictures,
-        &format!("{DIAGNOSIS}-residuals"),
-        &format!(
-            "What the model misses: observed minus simulated by condition, by real runs{stages}; the \
-             band is twice the standard error of observation and simulation."
-        ),
-    );
+    if let Some(evidence) = residual_charts::evidence(study) {
+        report.figure(
+            &evidence.draw()?,
+            "What speaks for each effect: how much of the sum of squares of the residual it takes off, by observable and \
+             scene, the parameters fitted anew inside their limits. A part to the left of 0 speaks against the effect.",
+        );
+    }
+    for k in 0..study.plan.observables.len() {
+        let svg = residual_charts::residuals(study, k).draw()?;
+        report.figure(&svg, residual_section::RESIDUALS);
+    }
+    Ok(())
 }
 
 /// What could be measured next; nothing where no question is left.

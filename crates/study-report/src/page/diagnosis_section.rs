@@ -2,7 +2,6 @@
 
 use super::{Page, residual_section};
 use crate::Error;
-use crate::output::DIAGNOSIS;
 use inference::DiagnosisStage;
 
 /// Adds the section.
@@ -14,7 +13,7 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
             Ok(())
         }
         DiagnosisStage::Done(study) => {
-            residual_section::add(&mut page.report, page.pictures, DIAGNOSIS, study)?;
+            residual_section::add(&mut page.report, study)?;
             let reasons = study.left_out.iter();
             let lines: Vec<String> = reasons
                 .map(|(name, why)| format!("{name}: {why}"))

@@ -6,8 +6,7 @@ use crate::numbers::{
     DASH, digits, digits_or_dash, fixed, fixed_or_dash, in_unit, p_in_words, signed, with_error,
 };
 use crate::open_words::open_in_words;
-use crate::pictures::chart;
-use crate::pictures::solution_charts::{MISFIT, pair_name, pairs};
+use crate::pictures::solution_charts::{misfit, pair, pairs};
 use inference::{FitTest, JointEstimate};
 use report::{Column, Table, counted};
 
@@ -113,27 +112,28 @@ fn solutions(page: &mut Page<'_>) -> Result<(), Error> {
     }
     page.table(&table);
     page.chart(
-        MISFIT,
+        misfit(page.input)?.as_ref(),
         "Root of the sum of squares of z over the last box, by the surfaces of the measurements of the fit and the \
          priors; high walls are cut. A valley is a combination that is left open.",
-    );
-    let all = pairs(page.input).into_iter();
-    let charts: Vec<_> = all
-        .filter_map(|[a, b]| {
-            let svg = chart(page.pictures, &pair_name([a, b]))?;
-            let [x, y] = [&found.parameters[a], &found.parameters[b]];
-            let others = if found.parameters.len() > 2 {
-                "; the other parameters are free, within the set"
-            } else {
-                ""
-            };
-            let caption = format!(
-                "Points of the set of solutions: {} against {}, drawn evenly from the set{others}.",
-                y.symbol, x.symbol
-            );
-            Some((format!("{} and {}", x.symbol, y.symbol), svg, caption))
-        })
-        .collect();
+    )?;
+    let mut charts = Vec::new();
+    for [a, b] in pairs(page.input) {
+        let Some(chart) = pair(page.input, [a, b]) else {
+            continue;
+        };
+        let [x, y] = [&found.parameters[a], &found.parameters[b]];
+        let others = if found.parameters.len() > 2 {
+            "; the other parameters are free, within the set"
+        } else {
+            ""
+        };
+        let caption = format!(
+            "Points of the set of solutions: {} against {}, drawn evenly from the set{others}.",
+            y.symbol, x.symbol
+        );
+        let name = format!("{} and {}", x.symbol, y.symbol);
+        charts.push((name, chart.draw()?, caption));
+    }
     if !charts.is_empty() {
         page.report.choice("Pair of parameters:", &charts);
     }

@@ -9,7 +9,7 @@ use crate::measurement_rows::{
 use crate::numbers::{
     DASH, fixed_or_dash, in_unit, observable, signed, with_decimals_of, with_error,
 };
-use crate::pictures::measurement_charts::ERRORS;
+use crate::pictures::measurement_charts;
 use inference::{Comparison, DiagnosisStage, Estimate, Parameter, Role};
 use report::{Column, Fact, Table, Tone};
 
@@ -21,11 +21,10 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
     parameters(page)?;
     inputs(page)?;
     page.chart(
-        ERRORS,
+        measurement_charts::errors(page.input).as_ref(),
         "Table 1 as a picture: z of the measurements by their numbers. The band is the limit within which a \
          measurement counts as met.",
-    );
-    Ok(())
+    )
 }
 
 /// The verdict with the state in which the command ends.

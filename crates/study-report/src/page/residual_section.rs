@@ -1,20 +1,15 @@
 //! The study of a residual over several conditions: verdict, candidates, errors, charts.
 
-use super::{chart, residual_parts};
+use super::residual_parts;
 use crate::Error;
 use crate::numbers::{DASH, fixed, listed, observable, signed, with_decimals_of, with_error};
-use crate::pictures::{NamedPicture, plain_name};
+use crate::pictures::residual_charts;
 use crate::residual::{self, StageErrors};
 use inference::ResidualStudy;
 use report::{Column, Report, Table, counted};
 
-/// Adds everything that the study of a residual says; `name` is that of its charts.
-pub(super) fn add(
-    report: &mut Report,
-    pictures: &[NamedPicture],
-    name: &str,
-    study: &ResidualStudy,
-) -> Result<(), Error> {
+/// Adds everything that the study of a residual says.
+pub(super) fn add(report: &mut Report, study: &ResidualStudy) -> Result<(), Error> {
     report.paragraph(&format!(
         "{} used, {} kept; {} each: {}. {} simulated for each mean; noise of a run with {} degrees \
          of freedom.",
@@ -47,41 +42,37 @@ pub(super) fn add(
     residual_parts::refits(report, study)?;
     residual_parts::errors(report, study)?;
     report.paragraph(&kept_errors(study));
-    chart(
-        report,
-        pictures,
-        &format!("{name}-residuals"),
-        "Residuals by condition, observed minus simulated, by real runs; the band is twice the \
-         standard error of observation and simulation.",
-    );
-    predicted(report, pictures, name, study);
+    for k in 0..study.plan.observables.len() {
+        let svg = residual_charts::residuals(study, k).draw()?;
+        report.figure(&svg, RESIDUALS);
+    }
+    predicted(report, study)?;
     conditions(report, study)
 }
 
+/// Caption of the charts of residuals.
+pub(super) const RESIDUALS: &str = "Residuals by condition, observed minus simulated, by real runs; the band is twice the standard \
+                                    error of observation and simulation.";
+
 /// Charts of predicted against measured values, before and after.
-fn predicted(report: &mut Report, pictures: &[NamedPicture], name: &str, study: &ResidualStudy) {
-    for quantity in &study.plan.observables {
+fn predicted(report: &mut Report, study: &ResidualStudy) -> Result<(), Error> {
+    let after = study.after.as_ref().map(|after| &after.simulated);
+    let stages = [
+        (Some(&study.simulated_before), "declared model, fitted"),
+        (after, "with the added effect, fitted again"),
+    ];
+    for (k, quantity) in study.plan.observables.iter().enumerate() {
         let words = observable(quantity).0;
-        for (stage, is_there, model) in [
-            ("before", true, "declared model, fitted"),
-            (
-                "after",
-                study.after.is_some(),
-                "with the added effect, fitted again",
-            ),
-        ] {
-            if is_there {
-                chart(
-                    report,
-                    pictures,
-                    &format!("{name}-predicted-{}-{stage}", plain_name(quantity)),
-                    &format!(
-                        "Predicted against measured {words}: {model}. Bars: 2 standard errors."
-                    ),
-                );
-            }
+        for (simulated, model) in stages {
+            let Some(simulated) = simulated else { continue };
+            let svg = residual_charts::predicted(study, simulated, k).draw()?;
+            report.figure(
+                &svg,
+                &format!("Predicted against measured {words}: {model}. Bars: 2 standard errors."),
+            );
         }
     }
+    Ok(())
 }
 
 /// The error on the kept conditions, before and after, in words.

@@ -4,10 +4,9 @@ use super::Page;
 use crate::Error;
 use crate::measurement_rows::{place, role_name, rows};
 use crate::numbers::{DASH, observable, signed, with_error};
-use crate::pictures::beds::{Bed, bed_name, beds};
-use crate::pictures::photographs::{frame_name, shows_drum};
-use crate::pictures::png;
-use crate::pictures::run_charts::{check_runs, series_name};
+use crate::pictures::beds::{Bed, beds};
+use crate::pictures::run_charts::{check_runs, series_of};
+use crate::run_details::RunDetails;
 use report::{Column, SphereViewer, Table};
 use std::collections::BTreeMap;
 
@@ -21,36 +20,30 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
         .paragraph("Fresh runs with seeds of their own; no surface and no fit has seen those of role check and show.");
     table(page)?;
     let beds: BTreeMap<usize, Bed> = beds(page.input).into_iter().collect();
-    for (number, (model, _)) in check_runs(page.input).into_iter().enumerate() {
+    for (number, (model, records)) in check_runs(page.input).into_iter().enumerate() {
         let at = place(&model.scene, &model.condition);
-        let reading = if shows_drum(page.input, &model.name) {
-            " It was read again by the code that reads photos: drum (blue), surface points that count (green) and do \
-             not (magenta), fitted line (orange)."
-        } else {
-            ""
-        };
-        page.png(
-            &frame_name(number),
-            &format!("Last frame of a check run: {at}"),
-            &format!("Last frame of a check run: {at}.{reading}"),
-        )?;
-        if let Some((bed, picture)) = beds.get(&number).zip(png(page.pictures, &bed_name(number))) {
+        let mut frames = records.iter().filter_map(|r| RunDetails::last_frame_of(r));
+        if let Some(frame) = frames.next() {
+            let words = format!("Last frame of a check run: {at}");
+            page.report.picture(&frame, &words, &format!("{words}."))?;
+        }
+        if let Some(bed) = beds.get(&number) {
             let viewer = SphereViewer {
                 kinds: &bed.kinds,
                 bodies: &bed.bodies,
-                picture,
+                picture: &bed.picture()?,
                 description: &format!("The seeds of a check run in space: {at}"),
             };
             let caption = format!("The same seeds in space: {at}; turn them with the mouse.");
             page.report.viewer(&viewer, &caption)?;
         }
         page.chart(
-            &series_name(number),
+            records.first().and_then(|record| series_of(record)).as_ref(),
             &format!(
                 "{at}: direction of the centre of mass over time, the part behind the start-up (band), and the \
                  moments of the frames (dots)."
             ),
-        );
+        )?;
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 use super::Page;
 use crate::Error;
 use crate::numbers::{fixed, fixed_or_dash, in_unit, listed, observable, p_value, signed};
-use crate::pictures::screening_charts::{half_normal_name, pareto_name};
+use crate::pictures::screening_charts::{half_normal, pareto};
 use inference::ModelScreening;
 use report::{Column, Table, counted};
 use response_surface::Screening;
@@ -20,7 +20,7 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
          case. What does not go on stays at its start in this model.",
         found.settings.screening_alpha, found.settings.screening_least
     ));
-    for (number, model) in found.screening.iter().enumerate() {
+    for model in &found.screening {
         page.report.subsection(&model.model).paragraph(&format!(
             "{}. Went on: {}. Stay at their start: {}.",
             counted(model.n_runs, "run", "runs"),
@@ -28,7 +28,7 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
             listed(&model.dropped)
         ));
         for (quantity, screening) in &model.screenings {
-            of_observable(page, number, quantity, screening);
+            of_observable(page, quantity, screening)?;
             table(page, model, quantity, screening)?;
         }
     }
@@ -36,7 +36,7 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
 }
 
 /// Charts and errors of one observable.
-fn of_observable(page: &mut Page<'_>, number: usize, quantity: &str, screening: &Screening) {
+fn of_observable(page: &mut Page<'_>, quantity: &str, screening: &Screening) -> Result<(), Error> {
     let (words, unit) = observable(quantity);
     let fit = &screening.main_effects;
     let dummies = match fit.root_mse {
@@ -58,17 +58,17 @@ fn of_observable(page: &mut Page<'_>, number: usize, quantity: &str, screening: 
     page.report
         .paragraph(&format!("For the {words} {dummies}; {replicates}."));
     page.chart(
-        &pareto_name(number, quantity),
+        pareto(screening, unit).as_ref(),
         &format!("Pareto chart of the effects on the {words}. Bars beyond the limit differ from the dummy columns."),
-    );
+    )?;
     page.chart(
-        &half_normal_name(number, quantity),
+        half_normal(screening, unit).as_ref(),
         &format!(
             "Half-normal plot of all columns for the {words}. The line has the slope of Lenth's pseudo standard \
              error; columns beyond his margin of error are named (5 %; the simultaneous margin allows for all columns \
              together)."
         ),
-    );
+    )
 }
 
 /// The effects on one observable.

@@ -3,10 +3,7 @@
 use super::Page;
 use crate::Error;
 use crate::numbers::{fixed, listed};
-use crate::pictures::photographs::{
-    FilledSeed, SPHERE_COLOUR, filled_seeds, seed_picture_name, spheres_picture_name,
-};
-use crate::pictures::png;
+use crate::pictures::photographs::{FilledSeed, SPHERE_COLOUR, filled_seeds, seed_pictures};
 use report::{Column, SphereViewer, Table, ViewerBody, ViewerKind, ViewerSphere, counted};
 use scene::FilledShape;
 
@@ -21,18 +18,19 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
          inertia are those of the shape.",
     );
     table(page, &seeds)?;
-    for (number, seed) in seeds.iter().enumerate() {
-        pictures(page, number, seed)?;
+    for seed in &seeds {
+        pictures(page, seed)?;
     }
     Ok(())
 }
 
 /// A seed under its mesh, and its spheres alone.
-fn pictures(page: &mut Page<'_>, number: usize, seed: &FilledSeed) -> Result<(), Error> {
+fn pictures(page: &mut Page<'_>, seed: &FilledSeed) -> Result<(), Error> {
     let spheres = counted(seed.body.spheres.len(), "sphere", "spheres");
-    if seed.body.shape.is_some() {
-        page.png(
-            &seed_picture_name(number),
+    let (under_mesh, picture) = seed_pictures(seed)?;
+    if let Some(under_mesh) = under_mesh {
+        page.report.picture(
+            &under_mesh,
             &format!(
                 "Spheres of seed {} under its half transparent mesh",
                 seed.name
@@ -43,9 +41,6 @@ fn pictures(page: &mut Page<'_>, number: usize, seed: &FilledSeed) -> Result<(),
             ),
         )?;
     }
-    let Some(picture) = png(page.pictures, &spheres_picture_name(number)) else {
-        return Ok(());
-    };
     let spheres = seed.body.spheres.iter().map(|s| ViewerSphere {
         centre: s.centre.into(),
         radius: s.radius,
@@ -58,7 +53,7 @@ fn pictures(page: &mut Page<'_>, number: usize, seed: &FilledSeed) -> Result<(),
     let viewer = SphereViewer {
         kinds: &[kind],
         bodies: &[ViewerBody::at_origin(0)],
-        picture,
+        picture: &picture,
         description: &description,
     };
     let caption = format!(

@@ -3,7 +3,7 @@
 use super::Page;
 use crate::Error;
 use crate::numbers::{DASH, digits, fixed_or_dash, in_unit, observable, p_in_words, p_value};
-use crate::pictures::surface_charts::{estimate_of, strongest_two, surface_name};
+use crate::pictures::surface_charts::{chart, estimate_of, strongest_two};
 use inference::ModelSurfaces;
 use report::{Column, Table, counted};
 use response_surface::Fit;
@@ -81,7 +81,8 @@ fn of_observable(
             held(page, fit, shown)
         ),
     };
-    page.chart(&surface_name(number, quantity), &caption);
+    let drawn = chart(page.input, number, quantity, fit)?;
+    page.chart(Some(&drawn), &caption)?;
     quality(page, unit, fit);
     anova(page, &words, unit, fit)
 }

@@ -1,6 +1,5 @@
 //! Beds in space: the seeds of the runs of the check where they lay in the last frame.
 
-use super::NamedPicture;
 use super::photographs::{SPHERE_COLOUR, picture_error, png_bytes};
 use super::run_charts::check_runs;
 use crate::run_details::{RunDetails, Seeds};
@@ -34,11 +33,6 @@ pub(crate) struct Bed {
     pub(crate) bodies: Vec<ViewerBody>,
 }
 
-/// Name of the picture of a bed of the check.
-pub(crate) fn bed_name(number: usize) -> String {
-    format!("check-{}-bed", number + 1)
-}
-
 /// The bed of the first run of each model of the check that kept it, by the number of the model.
 pub(crate) fn beds(input: &ReportInput<'_>) -> Vec<(usize, Bed)> {
     let mut found = Vec::new();
@@ -56,20 +50,6 @@ pub(crate) fn beds(input: &ReportInput<'_>) -> Vec<(usize, Bed)> {
         }
     }
     found
-}
-
-/// A picture of each bed, which stands in for the viewer.
-pub(super) fn pictures(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Error> {
-    let mut pictures = Vec::new();
-    for (number, bed) in beds(input) {
-        let name = bed_name(number);
-        let view = ObjectView::oblique(PIXELS);
-        let picture = render_object(&bed.spheres(), &[], &view)
-            .map_err(|e| picture_error(&name, &e.to_string()))?;
-        let bytes = png_bytes(&name, &picture)?;
-        pictures.push(NamedPicture::png(name, bytes).only_in_page());
-    }
-    Ok(pictures)
 }
 
 impl Bed {
@@ -116,6 +96,14 @@ impl Bed {
                 ..ViewerBody::at_origin(kind)
             });
         }
+    }
+
+    /// Its picture as PNG, shown unless the viewer runs.
+    pub(crate) fn picture(&self) -> Result<Vec<u8>, Error> {
+        let view = ObjectView::oblique(PIXELS);
+        let wrong = |e: frame_render::Error| picture_error("bed", &e.to_string());
+        let picture = render_object(&self.spheres(), &[], &view).map_err(wrong)?;
+        png_bytes("bed", &picture)
     }
 
     /// All spheres where they lie.

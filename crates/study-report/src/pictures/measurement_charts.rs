@@ -1,52 +1,38 @@
 //! The error of every measurement before and after, in one chart.
 
-use super::NamedPicture;
+use super::residuals::{ResidualCondition, residual_chart};
+use crate::ReportInput;
 use crate::measurement_rows::{MeasurementRow, rows};
-use crate::{Error, ReportInput};
 use inference::Role;
-use report::{AxisTitle, ResidualCondition, ResidualPanel, Residuals};
+use report::{Axis, Plot};
 
-/// Name of the chart.
-pub(crate) const ERRORS: &str = "errors";
-
-/// Measured minus simulated in standard errors, before, fitted and with what is added, by the number of the measurement in the first table,
-/// with the band in which it is met; nothing where no run was made at the estimate.
-pub(super) fn chart(input: &ReportInput<'_>) -> Result<Option<NamedPicture>, Error> {
+/// Measured minus simulated in standard errors - before, fitted and with what is added - by the number of the measurement in the first
+/// table, with the band in which it is met; `None` if no run was made at the estimate.
+pub(crate) fn errors(input: &ReportInput<'_>) -> Option<Plot> {
     let all: Vec<MeasurementRow<'_>> = rows(input);
     if all.iter().all(|row| row.after.is_none()) {
-        return Ok(None);
+        return None;
     }
+    let z = |of: fn(&MeasurementRow<'_>) -> Option<f64>| all.iter().map(of).collect();
     let mut models = Vec::new();
-    let mut residuals = Vec::new();
     if all.iter().any(|row| row.before.is_some()) {
-        models.push("before".to_owned());
-        residuals.push(all.iter().map(|r| r.before.map(|c| c.z)).collect());
+        models.push(("before".to_owned(), z(|row| row.before.map(|c| c.z))));
     }
-    models.push("fitted".into());
-    residuals.push(all.iter().map(|r| r.after.map(|c| c.z)).collect());
+    models.push(("fitted".into(), z(|row| row.after.map(|c| c.z))));
     if input.calibration.with_effects.is_some() {
-        models.push("with what is added".into());
-        residuals.push(all.iter().map(|r| r.with_effects.map(|c| c.z)).collect());
+        let with = z(|row| row.with_effects.map(|c| c.z));
+        models.push(("with what is added".into(), with));
     }
     let condition = |(number, row): (usize, &MeasurementRow<'_>)| ResidualCondition {
         name: (number + 1).to_string(),
-        role: match row.measurement.role {
-            Role::Fit => report::Role::Fit,
-            Role::Check | Role::Show => report::Role::Check,
-        },
+        is_used: row.measurement.role == Role::Fit,
+        noise: row.after.map_or(0.0, |c| c.z_limit),
     };
-    let chart = Residuals {
-        models,
-        noise_name: "limit of |z|".into(),
-        conditions: all.iter().enumerate().map(condition).collect(),
-        panels: vec![ResidualPanel {
-            observable: AxisTitle::new("z", ""),
-            residuals,
-            noise: all
-                .iter()
-                .map(|r| r.after.map_or(0.0, |c| c.z_limit))
-                .collect(),
-        }],
-    };
-    Ok(Some(NamedPicture::chart(ERRORS, chart.draw()?)))
+    let conditions: Vec<ResidualCondition> = all.iter().enumerate().map(condition).collect();
+    Some(residual_chart(
+        Axis::numbers("z", ""),
+        "limit of |z|",
+        &conditions,
+        &models,
+    ))
 }

@@ -1,15 +1,10 @@
-//! Pictures of filled seeds, and the last frames of the runs of the check.
+//! Pictures of filled seeds.
 
-use super::NamedPicture;
-use super::run_charts::check_runs;
-use crate::run_details::RunDetails;
 use crate::{Error, ReportInput};
 use frame_render::{ObjectView, RenderSphere, render_object};
-use image::codecs::png::{PngDecoder, PngEncoder};
-use image::{DynamicImage, RgbImage};
-use photo_profile::{Settings, measure_image, overlay_gray};
-use scene::{Apparatus, SeedBody};
-use std::io::Cursor;
+use image::RgbImage;
+use image::codecs::png::PngEncoder;
+use scene::SeedBody;
 use std::sync::Arc;
 
 /// Colour of the spheres, sRGB.
@@ -51,86 +46,30 @@ pub(crate) fn filled_seeds(input: &ReportInput<'_>) -> Result<Vec<FilledSeed>, E
     Ok(seeds)
 }
 
-/// Name of the picture of a seed: the spheres under a half transparent mesh.
-pub(crate) fn seed_picture_name(number: usize) -> String {
-    format!("seed-{}", number + 1)
-}
-
-/// Name of the picture of its spheres alone.
-pub(crate) fn spheres_picture_name(number: usize) -> String {
-    format!("{}-spheres", seed_picture_name(number))
-}
-
-/// Each seed twice: its spheres under the half transparent mesh, if it has one, and the spheres alone, which stand in for the viewer.
-pub(crate) fn seeds(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Error> {
-    let mut pictures = Vec::new();
-    for (number, seed) in filled_seeds(input)?.iter().enumerate() {
-        let spheres = seed.body.spheres.iter().map(|s| RenderSphere {
-            centre: s.centre.into(),
-            radius: s.radius,
-            colour: SPHERE_COLOUR,
-        });
-        let spheres: Vec<RenderSphere> = spheres.collect();
-        let mut coats: Vec<(String, Vec<[[f64; 3]; 3]>)> = Vec::new();
-        // Spheres that are the seed themselves stand under no mesh.
-        if let Some(shape) = &seed.body.shape {
-            let mesh = &shape.mesh.mesh;
-            let all = 0..mesh.triangles().len();
-            let triangles = all.map(|k| mesh.corners(k).map(Into::into)).collect();
-            coats.push((seed_picture_name(number), triangles));
-        }
-        coats.push((spheres_picture_name(number), Vec::new()));
-        let view = ObjectView::oblique(SEED_PIXELS);
-        for (name, coat) in coats {
-            let wrong = |e: frame_render::Error| picture_error(&name, &e.to_string());
-            let picture = render_object(&spheres, &coat, &view).map_err(wrong)?;
-            let bytes = png_bytes(&name, &picture)?;
-            pictures.push(NamedPicture::png(name, bytes));
-        }
-    }
-    Ok(pictures)
-}
-
-/// Name of the last frame of a model of the check.
-pub(crate) fn frame_name(number: usize) -> String {
-    format!("check-{}-frame", number + 1)
-}
-
-/// The last frame of the first run of each model of the check that kept one.
-pub(crate) fn frames(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Error> {
-    let mut pictures = Vec::new();
-    for (number, (model, records)) in check_runs(input).into_iter().enumerate() {
-        let mut frames = records.iter().filter_map(|r| RunDetails::of(r).last_frame);
-        if let Some(frame) = frames.next() {
-            let name = frame_name(number);
-            let bytes = if shows_drum(input, &model.name) {
-                with_reading(&name, &frame)?
-            } else {
-                frame
-            };
-            pictures.push(NamedPicture::png(name, bytes));
-        }
-    }
-    Ok(pictures)
-}
-
-/// Whether the camera of a model looks into a drum, so that the reader of drum photos reads its frames.
-pub(crate) fn shows_drum(input: &ReportInput<'_>, model: &str) -> bool {
-    let scene = input.scenes.get(model);
-    scene.is_some_and(|scene| matches!(scene.apparatus, Apparatus::Drum(_)))
-}
-
-/// A frame with the line that the reader of photos fits to it; the frame as it is where he refuses it.
-pub(super) fn with_reading(name: &str, frame: &[u8]) -> Result<Vec<u8>, Error> {
-    let picture = PngDecoder::new(Cursor::new(frame))
-        .and_then(DynamicImage::from_decoder)
-        .map_err(|e| picture_error(name, &e.to_string()))?
-        .into_luma8();
-    let settings = Settings::default();
-    match measure_image(&picture, &settings) {
-        Ok(reading) => png_bytes(name, &overlay_gray(&picture, &reading, &settings)),
-        Err(_) => Ok(frame.to_vec()),
-    }
+/// A seed under its half transparent mesh if it has one, and its spheres alone, which are shown unless the viewer runs.
+pub(crate) fn seed_pictures(seed: &FilledSeed) -> Result<(Option<Vec<u8>>, Vec<u8>), Error> {
+    let spheres = seed.body.spheres.iter().map(|s| RenderSphere {
+        centre: s.centre.into(),
+        radius: s.radius,
+        colour: SPHERE_COLOUR,
+    });
+    let spheres: Vec<RenderSphere> = spheres.collect();
+    let view = ObjectView::oblique(SEED_PIXELS);
+    let draw = |coat: &[[[f64; 3]; 3]]| {
+        let wrong = |e: frame_render::Error| picture_error(&seed.name, &e.to_string());
+        png_bytes(
+            &seed.name,
+            &render_object(&spheres, coat, &view).map_err(wrong)?,
+        )
+    };
+    let shape = seed.body.shape.as_ref();
+    let under_mesh = shape.map(|shape| {
+        let mesh = &shape.mesh.mesh;
+        let all = 0..mesh.triangles().len();
+        let triangles: Vec<_> = all.map(|k| mesh.corners(k).map(Into::into)).collect();
+        draw(&triangles)
+    });
+    Ok((under_mesh.transpose()?, draw(&[])?))
 }
 
 /// A picture as the bytes of a PNG file.

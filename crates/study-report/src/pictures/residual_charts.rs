@@ -1,181 +1,177 @@
 //! Charts of the study of a residual.
 
-use super::NamedPicture;
-use crate::Error;
+use super::residuals::{ResidualCondition, residual_chart};
 use crate::numbers::observable;
-use crate::residual::{condition_name, residual_se, role};
+use crate::residual::{condition_name, residual_se};
 use inference::diagnosis::Evidence;
-use inference::{AddedEffect, ResidualStudy, StudyCondition};
-use report::{
-    AxisTitle, Comparison, Level, PredictedAgainstMeasured, ResidualCondition, ResidualPanel,
-    Residuals, StackedBar, StackedBars,
-};
-
-/// Predicted against measured for each observable, before and after, and the residuals.
-pub(crate) fn charts(name: &str, study: &ResidualStudy) -> Result<Vec<NamedPicture>, Error> {
-    let mut charts = Vec::new();
-    let after = study.after.as_ref().map(|a| &a.simulated);
-    for (k, quantity) in study.plan.observables.iter().enumerate() {
-        let stages = [("before", Some(&study.simulated_before)), ("after", after)];
-        for (stage, simulated) in stages {
-            if let Some(simulated) = simulated {
-                let (words, unit) = observable(quantity);
-                let chart = PredictedAgainstMeasured {
-                    observable: AxisTitle::new(words, unit),
-                    comparisons: comparisons(study, simulated, k),
-                };
-                let name = format!("{name}-predicted-{}-{stage}", super::plain_name(quantity));
-                charts.push(NamedPicture::chart(name, chart.draw()?));
-            }
-        }
-    }
-    let residuals = residuals(study).draw()?;
-    charts.push(NamedPicture::chart(format!("{name}-residuals"), residuals));
-    if let Some(evidence) = evidence(study) {
-        let drawn = evidence.draw()?;
-        charts.push(NamedPicture::chart(format!("{name}-evidence"), drawn));
-    }
-    Ok(charts)
-}
+use inference::{AddedEffect, ResidualStudy};
+use report::{Axis, AxisTitle, Format, Mark, Plot, PlotPoint, Shape, colour};
 
 /// Most effects in the chart of evidence, the best first.
 const MOST_EFFECTS: usize = 10;
 
-/// What each effect takes off the structured residual, by observable; none without candidates.
-fn evidence(study: &ResidualStudy) -> Option<StackedBars> {
+/// What each effect takes off the structured residual, by observable; `None` without candidates.
+pub(crate) fn evidence(study: &ResidualStudy) -> Option<Plot> {
     let d = &study.diagnosis;
     let mut effects: Vec<_> = d.candidates.iter().collect();
     effects.sort_by(|a, b| a.1.t_after.total_cmp(&b.1.t_after));
     effects.truncate(MOST_EFFECTS);
-    let parts = d.evidence.values().next()?;
-    let name = |e: &Evidence| match &e.observable {
-        Some(name) => observable(name).0,
-        None => "priors of the parameters".to_owned(),
-    };
-    let bar = |name: &String| {
-        let evidence = d.evidence.get(name)?;
-        Some(StackedBar {
-            name: name.clone(),
-            sizes: evidence.iter().map(|e| e.drop).collect(),
-        })
-    };
-    let all = d
-        .structured_residual
-        .t0
-        .map(|t0| t0 - d.structured_residual.df as f64);
-    Some(StackedBars {
-        size: AxisTitle::new("taken off the sum of squares of the residual", ""),
-        parts: parts.iter().map(name).collect(),
-        bars: effects.iter().filter_map(|(name, _)| bar(name)).collect(),
-        limits: all
-            .filter(|all| *all > 0.0)
-            .map(|all| Level::new("all but noise", all))
-            .into_iter()
-            .collect(),
-    })
-    .filter(|chart| !chart.bars.is_empty())
+    let all = effects
+        .iter()
+        .filter_map(|(name, _)| Some((*name, d.evidence.get(*name)?)));
+    let all: Vec<(&String, &Vec<Evidence>)> = all.collect();
+    let parts = all.first()?.1;
+    let mut plot = Plot::new(
+        Axis::numbers("taken off the sum of squares of the residual", ""),
+        Axis::Names(all.iter().map(|(name, _)| (*name).clone()).collect()),
+    );
+    for (k, part) in parts.iter().enumerate() {
+        let name = match &part.observable {
+            Some(name) => observable(name).0,
+            None => "priors of the parameters".to_owned(),
+        };
+        let bar = |(row, (_, evidence)): (usize, &(&String, &Vec<Evidence>))| {
+            let drop = evidence[k].drop;
+            // Parts of one sign follow each other from 0.
+            let before = evidence[..k].iter().map(|e| e.drop);
+            let from: f64 = before.filter(|other| other * drop > 0.0).sum();
+            (row, [from, from + drop])
+        };
+        let bars: Vec<_> = all.iter().enumerate().map(bar).collect();
+        plot = plot.with(Mark::bars(name, colour::series(k), &bars));
+    }
+    let t0 = d.structured_residual.t0;
+    let most = t0.map(|t0| t0 - d.structured_residual.df as f64);
+    let most = most.filter(|most| *most > 0.0);
+    Some(plot.with_all(most.map(|most| Mark::upright("all but noise", most))))
 }
 
-/// The points of one observable with twice their standard errors.
-fn comparisons(study: &ResidualStudy, simulated: &[Vec<f64>], k: usize) -> Vec<Comparison> {
+/// Predicted against measured values of one observable by a model, with twice their standard errors.
+pub(crate) fn predicted(study: &ResidualStudy, simulated: &[Vec<f64>], k: usize) -> Plot {
+    let (words, unit) = observable(&study.plan.observables[k]);
     let runs = study.plan.replicates.max(1) as f64;
-    let run_sd = study
-        .run_sd
-        .get(&study.plan.observables[k])
-        .copied()
-        .unwrap_or(0.0);
-    let conditions = study.plan.conditions.iter().enumerate();
-    let comparison = |(c, condition): (usize, &StudyCondition)| {
-        Some(Comparison {
-            name: condition_name(condition),
-            measured: study.plan.conditions[c].values[k]?,
-            measured_error: 2.0 * study.plan.standard_error(c, k),
-            predicted: simulated[c][k],
-            predicted_error: 2.0 * run_sd / runs.sqrt(),
-            role: role(condition),
-        })
+    let run_sd = study.run_sd.get(&study.plan.observables[k]);
+    let run_sd = run_sd.copied().unwrap_or(0.0);
+    let points = |used: bool| -> Vec<PlotPoint> {
+        let conditions = study.plan.conditions.iter().enumerate();
+        let conditions = conditions.filter(|(_, condition)| condition.used == used);
+        conditions
+            .filter_map(|(c, condition)| {
+                let point = PlotPoint::new(study.plan.conditions[c].values[k]?, simulated[c][k]);
+                Some(PlotPoint {
+                    x_error: 2.0 * study.plan.standard_error(c, k),
+                    y_error: 2.0 * run_sd / runs.sqrt(),
+                    label: condition_name(condition),
+                    ..point
+                })
+            })
+            .collect()
     };
-    conditions.filter_map(comparison).collect()
+    let (used, kept) = (points(true), points(false));
+    // The same values on both axes.
+    let ends = used.iter().chain(&kept).flat_map(|p| {
+        let (x, y) = (p.x, p.y);
+        [x - p.x_error, x + p.x_error, y - p.y_error, y + p.y_error]
+    });
+    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+        (low.min(x), high.max(x))
+    });
+    let room = 0.06 * (high - low);
+    let [low, high] = [low - room, high + room];
+    let axis = |word: &str| Axis::Numbers {
+        title: AxisTitle::new(format!("{word} {words}"), unit),
+        ends: (low < high).then_some([low, high]),
+    };
+    let kept = (!kept.is_empty()).then(|| {
+        let name = "kept for the check";
+        Mark::open_points(name, Shape::Square, colour::VERMILION, kept)
+    });
+    let mut plot = Plot::new(axis("Measured"), axis("Predicted"))
+        .with(Mark::dashed(
+            "predicted = measured",
+            vec![[low, low], [high, high]],
+        ))
+        .with(Mark::points(
+            "used for the fit",
+            Shape::Circle,
+            colour::BLUE,
+            used,
+        ))
+        .with_all(kept);
+    plot.format = Format::Square(430.0);
+    plot
 }
 
-/// Residuals by condition before and with what was added, against twice their standard error.
-fn residuals(study: &ResidualStudy) -> Residuals {
-    let conditions = study.plan.conditions.iter();
-    let left = |simulated: &[Vec<f64>], k: usize| -> Vec<Option<f64>> {
+/// Residuals of one observable by condition, before and with what was added, against twice their standard error.
+pub(crate) fn residuals(study: &ResidualStudy, k: usize) -> Plot {
+    let left = |simulated: &[Vec<f64>]| -> Vec<Option<f64>> {
         let rows = study.plan.conditions.iter().zip(simulated);
         rows.map(|(c, s)| c.values[k].map(|y| y - s[k])).collect()
     };
-    let simulated: Vec<_> = std::iter::once(&study.simulated_before)
-        .chain(study.models().map(|model| &model.simulated))
-        .collect();
-    let n = study.plan.conditions.len();
-    let panels = study
-        .plan
-        .observables
-        .iter()
-        .enumerate()
-        .map(|(k, quantity)| {
-            let (words, unit) = observable(quantity);
-            let residuals = simulated.iter().map(|simulated| left(simulated, k));
-            ResidualPanel {
-                observable: AxisTitle::new(words, unit),
-                residuals: residuals.collect(),
-                noise: (0..n).map(|c| 2.0 * residual_se(study, c, k)).collect(),
-            }
-        });
-    let names = |model: &AddedEffect| {
+    let name = |model: &AddedEffect| {
         let names: Vec<&str> = model.effects.keys().map(String::as_str).collect();
         format!("with {}", names.join(", "))
     };
-    let titles = std::iter::once("declared model, fitted".into()).chain(study.models().map(names));
-    Residuals {
-        models: titles.collect(),
-        noise_name: "± 2 standard errors".into(),
-        panels: panels.collect(),
-        conditions: conditions
-            .map(|c| ResidualCondition {
-                name: condition_name(c),
-                role: role(c),
-            })
-            .collect(),
-    }
+    let declared = (
+        "declared model, fitted".to_owned(),
+        left(&study.simulated_before),
+    );
+    let added = study
+        .models()
+        .map(|model| (name(model), left(&model.simulated)));
+    let models: Vec<_> = std::iter::once(declared).chain(added).collect();
+    let conditions = study.plan.conditions.iter().enumerate();
+    let conditions = conditions.map(|(c, condition)| ResidualCondition {
+        name: condition_name(condition),
+        is_used: condition.used,
+        noise: 2.0 * residual_se(study, c, k),
+    });
+    let (words, unit) = observable(&study.plan.observables[k]);
+    let conditions: Vec<ResidualCondition> = conditions.collect();
+    residual_chart(
+        Axis::numbers(words, unit),
+        "± 2 standard errors",
+        &conditions,
+        &models,
+    )
 }
 
 #[cfg(test)]
 mod tests {
     use super::residuals;
-    use crate::tables::residual_tables;
     use crate::test_residual::{SPEEDS, twins};
+    use report::{Mark, PlotPoint};
 
-    /// Two effects that nothing tells apart are two models: the chart of residuals has a column for each and the
-    /// table of means rows for each, beside the declared model, which misses 1 degree per rpm. A mean of four runs
-    /// has a standard error of 0.05 deg, and the fit adds as much: four times both together are below 0.3 deg.
+    /// Two effects that nothing tells apart are two models: the chart of residuals has points for each beside those of the declared
+    /// model, which misses 1 degree per rpm. A mean of four runs has a standard error of 0.05 deg, and the fit adds as much: four
+    /// times both together are below 0.3 deg.
     #[test]
-    fn tied_models_are_in_the_table_of_means_and_in_the_chart() {
+    fn tied_models_are_in_the_chart_of_residuals() {
         let study = twins();
-        let diagnosis = &study.diagnosis;
-        assert_eq!(study.rivals.len(), 2, "{}", diagnosis.summary());
-        let names = ["declared model, fitted", "with bend", "with bow"];
-        let drawn = residuals(&study);
-        assert_eq!(drawn.models[0], names[0]);
-        assert!(names.iter().all(|n| drawn.models.iter().any(|m| m == n)));
-        let panel = &drawn.panels[0].residuals;
+        assert_eq!(study.rivals.len(), 2, "{}", study.diagnosis.summary());
+        let drawn = residuals(&study, 0);
+        let of_model = |name: &str| -> Vec<f64> {
+            let place = drawn
+                .marks
+                .iter()
+                .position(|mark| matches!(mark, Mark::Points { name: n, .. } if n == name));
+            // The points of conditions that were kept follow those that were used.
+            let marks = &drawn.marks[place.unwrap()..=place.unwrap() + 1];
+            let mut points: Vec<&PlotPoint> = Vec::new();
+            for mark in marks {
+                if let Mark::Points { points: some, .. } = mark {
+                    points.extend(some);
+                }
+            }
+            points.sort_by(|a, b| a.x.total_cmp(&b.x));
+            points.iter().map(|p| p.y).collect()
+        };
+        let declared = of_model("declared model, fitted");
+        assert_eq!(declared.len(), SPEEDS.len());
         for (c, rpm) in SPEEDS.iter().enumerate() {
-            assert!((panel[0][c].unwrap() - rpm).abs() < 0.3, "{panel:?}");
-            assert!(panel[1][c].unwrap().abs() < 0.3, "{panel:?}");
-            assert!(panel[2][c].unwrap().abs() < 0.3, "{panel:?}");
-        }
-        let table = residual_tables::all("twins", &study, &[])
-            .into_iter()
-            .find(|table| table.file_name() == "twins_models.csv")
-            .unwrap()
-            .text();
-        for (model, bent) in [("before", 0.0), ("with bend", 1.0), ("with bow", 1.0)] {
-            let rows: Vec<_> = table.lines().filter(|l| l.starts_with(model)).collect();
-            assert_eq!(rows.len(), SPEEDS.len(), "{table}");
-            for (row, rpm) in rows.iter().zip(SPEEDS) {
-                let mean: f64 = row.rsplit(',').next().unwrap().parse().unwrap();
-                assert!((mean - 30.0 - bent * rpm).abs() < 0.3, "{table}");
+            assert!((declared[c] - rpm).abs() < 0.3, "{declared:?}");
+            for name in ["with bend", "with bow"] {
+                assert!(of_model(name)[c].abs() < 0.3, "{name}");
             }
         }
     }

@@ -1,12 +1,11 @@
 //! Charts of single runs.
 
-use super::NamedPicture;
+use crate::ReportInput;
 use crate::measurement_rows::{MeasurementRow, rows};
 use crate::run_details::RunDetails;
-use crate::{Error, ReportInput};
 use campaign::run_store::Record;
 use inference::{Model, Role};
-use report::{AxisTitle, Level, TimeSeries, TimeSpan};
+use report::{Axis, AxisTitle, Format, Mark, Plot, PlotPoint, Shape, colour};
 
 /// The models that are kept for the check, each with the records of its runs at the estimate.
 pub(crate) fn check_runs<'a>(input: &ReportInput<'a>) -> Vec<(&'a Model, Vec<&'a Record>)> {
@@ -28,49 +27,108 @@ fn records_of<'a>(input: &ReportInput<'a>, row: &MeasurementRow<'a>) -> Vec<&'a 
         .collect()
 }
 
-/// Name of the series of a model of the check.
-pub(crate) fn series_name(number: usize) -> String {
-    format!("check-{}-series", number + 1)
-}
-
-/// Direction of the centre of mass over time in the first run of each model of the check that kept its series, with the
-/// steady part and the sampled moments.
-pub(super) fn series(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Error> {
-    let mut charts = Vec::new();
-    for (number, (_, records)) in check_runs(input).into_iter().enumerate() {
-        let Some(record) = records.first() else {
-            continue;
-        };
-        if let Some(chart) = series_of(record) {
-            charts.push(NamedPicture::chart(series_name(number), chart.draw()?));
-        }
-    }
-    Ok(charts)
-}
-
-/// The series of a run; nothing where it kept none.
-pub(super) fn series_of(record: &Record) -> Option<TimeSeries> {
+/// Direction of the centre of mass over time, with the steady part and the moments of the frames; `None` if the run kept no series.
+pub(crate) fn series_of(record: &Record) -> Option<Plot> {
     let run = RunDetails::of(record);
-    let n = run.times_s.len();
-    if n < 2 || run.centre_of_mass_deg.len() != n {
+    let (times, values) = (&run.times_s, &run.centre_of_mass_deg);
+    let n = times.len();
+    if n < 2 || values.len() != n {
         return None;
     }
-    let (first, last) = (run.times_s[0], run.times_s[n - 1]);
-    let mean = record.observable("centre_of_mass_deg");
-    let moments = run.frame_times_s.iter();
-    Some(TimeSeries {
-        time_title: AxisTitle::new("time since the drive started", "s"),
-        value_title: AxisTitle::new("direction of the centre of mass", "°"),
-        steady: run
-            .start_up_s
-            .filter(|s| *s < last)
-            .map(|from| TimeSpan { from, to: last }),
-        samples: moments.map(|t| t.clamp(first, last)).collect(),
-        levels: mean
-            .map(|m| Level::new("mean of the steady part", m.mean))
-            .into_iter()
-            .collect(),
-        times: run.times_s,
-        values: run.centre_of_mass_deg,
-    })
+    let (first, last) = (times[0], times[n - 1]);
+    let mean = record
+        .observable("centre_of_mass_deg")
+        .map(|mean| mean.mean);
+    let shown = || values.iter().copied().chain(mean);
+    let [low, high] = [
+        shown().fold(f64::INFINITY, f64::min),
+        shown().fold(f64::NEG_INFINITY, f64::max),
+    ];
+    let room = 0.06 * (high - low);
+    let [low, high] = [low - room, high + room];
+    let axis = |quantity, unit, ends| Axis::Numbers {
+        title: AxisTitle::new(quantity, unit),
+        ends: Some(ends),
+    };
+    let steady = run.start_up_s.filter(|start| *start < last);
+    let band = steady.map(|start| {
+        let outline = vec![[start, low], [last, low], [last, high], [start, high]];
+        Mark::area("steady part", colour::BAND, 0.8, vec![outline])
+    });
+    let line = thinned(times, values)
+        .into_iter()
+        .map(|i| [times[i], values[i]]);
+    let frames = run.frame_times_s.iter().map(|t| {
+        let t = t.clamp(first, last);
+        PlotPoint::new(t, value_at(times, values, t))
+    });
+    let frames = Mark::points(
+        "sampled moments",
+        Shape::Circle,
+        colour::VERMILION,
+        frames.collect(),
+    );
+    let mut plot = Plot::new(
+        axis("time since the drive started", "s", [first, last]),
+        axis("direction of the centre of mass", "°", [low, high]),
+    )
+    .with_all(band)
+    .with(Mark::line(
+        "direction of the centre of mass",
+        colour::BLUE,
+        line.collect(),
+    ))
+    .with(frames)
+    .with_all(mean.map(|mean| Mark::level("mean of the steady part", mean)));
+    plot.format = Format::Height(280.0);
+    Some(plot)
+}
+
+/// Value at a time within the series, by linear interpolation.
+fn value_at(times: &[f64], values: &[f64], time: f64) -> f64 {
+    let after = times
+        .partition_point(|&before| before < time)
+        .clamp(1, times.len() - 1);
+    let [t0, t1] = [times[after - 1], times[after]];
+    let [v0, v1] = [values[after - 1], values[after]];
+    v0 + (v1 - v0) * (time - t0) / (t1 - t0)
+}
+
+/// Columns into which a long series is thinned out; each keeps its extremes.
+const COLUMNS: usize = 600;
+
+/// Which entries are drawn: all of a short series, the first, last, least and greatest of every
+/// column of a long one, so that no spike is lost.
+fn thinned(times: &[f64], values: &[f64]) -> Vec<usize> {
+    if times.len() <= 4 * COLUMNS {
+        return (0..times.len()).collect();
+    }
+    let mut kept = Vec::with_capacity(4 * COLUMNS);
+    for column in 0..COLUMNS {
+        let from = column * times.len() / COLUMNS;
+        let to = (column + 1) * times.len() / COLUMNS;
+        let mut chosen = vec![from, to - 1];
+        chosen.extend((from..to).min_by(|&a, &b| values[a].total_cmp(&values[b])));
+        chosen.extend((from..to).max_by(|&a, &b| values[a].total_cmp(&values[b])));
+        chosen.sort_unstable();
+        chosen.dedup();
+        kept.extend(chosen);
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{COLUMNS, thinned};
+
+    #[test]
+    fn long_series_is_thinned_without_losing_a_spike() {
+        let times: Vec<f64> = (0..100_000).map(f64::from).collect();
+        let mut values: Vec<f64> = times.iter().map(|t| (t * 1e-3).sin()).collect();
+        values[54_321] = 7.0;
+        let kept = thinned(&times, &values);
+        assert!(kept.len() <= 4 * COLUMNS, "{}", kept.len());
+        assert!(kept.contains(&54_321) && kept.contains(&0) && kept.contains(&99_999));
+        assert!(kept.windows(2).all(|pair| pair[0] < pair[1]));
+    }
 }

@@ -1,28 +1,16 @@
 //! The set of solutions: contours of the joint misfit over two parameters, pairs of parameters otherwise.
 
-use super::NamedPicture;
 use super::surface_charts::{evenly, measured, variance_of_mean};
 use crate::numbers::shown_unit;
 use crate::{Error, ReportInput};
 use inference::{Estimate, Role};
-use report::{AxisTitle, Contour, MarkedPoint, Scatter, Svg};
+use report::{AxisTitle, Grid, Plot, PlotPoint, marked_points, scatter};
 use response_surface::Fit;
 
 /// Nodes of the grid in each direction.
 const NODES: usize = 121;
 /// Roots of the sum of squares above this are drawn alike, so that the contours show the valley and not its walls.
 const WALL: f64 = 9.0;
-/// Most pairs that are written as files: all of four parameters.
-const MOST_FILES: usize = 6;
-
-/// Name of the contours of the misfit.
-pub(crate) const MISFIT: &str = "solutions-misfit";
-
-/// Name of the picture of two parameters by their numbers.
-pub(crate) fn pair_name([a, b]: [usize; 2]) -> String {
-    format!("solutions-{}-{}", a + 1, b + 1)
-}
-
 /// All pairs of parameters, those with the largest correlations first.
 pub(crate) fn pairs(input: &ReportInput<'_>) -> Vec<[usize; 2]> {
     let found = input.calibration;
@@ -38,36 +26,14 @@ pub(crate) fn pairs(input: &ReportInput<'_>) -> Vec<[usize; 2]> {
     all
 }
 
-/// All charts of the set; nothing for a single parameter, whose extent is the whole set.
-pub(super) fn charts(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Error> {
-    let mut charts = Vec::new();
-    if let Some(svg) = misfit(input)? {
-        charts.push(NamedPicture::chart(MISFIT, svg));
-    }
+/// Points of the set of solutions in the plane of two parameters; `None` if there are fewer than two.
+pub(crate) fn pair(input: &ReportInput<'_>, [a, b]: [usize; 2]) -> Option<Plot> {
     let found = input.calibration;
-    for (place, [a, b]) in pairs(input).into_iter().enumerate() {
-        let point = |p: &Vec<f64>| Some([*p.get(a)?, *p.get(b)?]);
-        let points: Vec<[f64; 2]> = found.solutions.points.iter().filter_map(point).collect();
-        if points.len() < 2 {
-            continue;
-        }
-        let chart = Scatter {
-            x: title(&found.parameters[a]),
-            y: title(&found.parameters[b]),
-            points,
-            names: Vec::new(),
-            marked: named_points(input, [a, b]),
-            line: None,
-            levels: Vec::new(),
-        };
-        let drawn = NamedPicture::chart(pair_name([a, b]), chart.draw()?);
-        charts.push(if place < MOST_FILES {
-            drawn
-        } else {
-            drawn.only_in_page()
-        });
-    }
-    Ok(charts)
+    let point = |p: &Vec<f64>| Some(PlotPoint::new(*p.get(a)?, *p.get(b)?));
+    let points: Vec<PlotPoint> = found.solutions.points.iter().filter_map(point).collect();
+    let marked = named_points(input, [a, b]);
+    let [x, y] = [a, b].map(|k| title(&found.parameters[k]));
+    (points.len() > 1).then(|| scatter(x, y, points, marked))
 }
 
 /// Title of the axis of a parameter.
@@ -100,7 +66,7 @@ impl Equation<'_> {
 
 /// Contours of the root of the sum of squares over the last box, for two parameters; nothing where they are more or a
 /// measurement of the fit has no analysed surface.
-fn misfit(input: &ReportInput<'_>) -> Result<Option<Svg>, Error> {
+pub(crate) fn misfit(input: &ReportInput<'_>) -> Result<Option<Plot>, Error> {
     let found = input.calibration;
     let ([first, second], Some(last)) = (found.parameters.as_slice(), found.boxes.last()) else {
         return Ok(None);
@@ -122,20 +88,17 @@ fn misfit(input: &ReportInput<'_>) -> Result<Option<Svg>, Error> {
     let values: Vec<f64> = values.map(sum).collect();
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
     let wall = WALL.max(3.0 * least);
-    let contour = Contour {
+    let grid = Grid {
         x: title(first),
         y: title(second),
         response: AxisTitle::new("root of the sum of squares of z", ""),
         values: values.into_iter().map(|v| v.min(wall)).collect(),
-        target: None,
-        region_name: String::new(),
-        region: Vec::new(),
-        points: marked_points(input),
-        runs: Vec::new(),
         x_values,
         y_values,
     };
-    Ok(Some(contour.draw()?))
+    Ok(Some(
+        grid.contours(vec![marked_points(inside_points(input))])?,
+    ))
 }
 
 /// The measurements of the fit with their surfaces; none where one has none.
@@ -172,16 +135,15 @@ fn solutions(input: &ReportInput<'_>) -> Vec<(String, Vec<f64>)> {
 }
 
 /// The same in the plane of two parameters.
-fn named_points(input: &ReportInput<'_>, [a, b]: [usize; 2]) -> Vec<MarkedPoint> {
+fn named_points(input: &ReportInput<'_>, [a, b]: [usize; 2]) -> Vec<PlotPoint> {
     let point = |(name, at): (String, Vec<f64>)| {
-        let (x, y) = (*at.get(a)?, *at.get(b)?);
-        Some(MarkedPoint { name, x, y })
+        Some(PlotPoint::new(*at.get(a)?, *at.get(b)?).with_label(name))
     };
     solutions(input).into_iter().filter_map(point).collect()
 }
 
 /// The estimate, the start and the other separate solutions, where the picture has room for them.
-fn marked_points(input: &ReportInput<'_>) -> Vec<MarkedPoint> {
+fn inside_points(input: &ReportInput<'_>) -> Vec<PlotPoint> {
     let found = input.calibration;
     let mut points = solutions(input);
     let start = found.parameters.iter().map(|p| p.start).collect();
@@ -197,10 +159,6 @@ fn marked_points(input: &ReportInput<'_>) -> Vec<MarkedPoint> {
     points
         .into_iter()
         .filter(|(_, at)| at.len() == 2 && inside(at))
-        .map(|(name, at)| MarkedPoint {
-            name,
-            x: at[0],
-            y: at[1],
-        })
+        .map(|(name, at)| PlotPoint::new(at[0], at[1]).with_label(name))
         .collect()
 }

@@ -1,12 +1,11 @@
 //! Response surfaces with what was measured: a curve over one parameter, contours over the two strongest.
 
-use super::{NamedPicture, plain_name};
 use crate::design_points::{DesignPoint, design_points};
 use crate::numbers::{observable, shown_unit};
 use crate::{Error, ReportInput};
 use experiment_design::Factor;
 use inference::{Measurement, ModelSurfaces};
-use report::{AxisTitle, Contour, DesignRun, Level, LineSeries, MarkedPoint, Series, SeriesPoint};
+use report::{AxisTitle, Grid, Mark, Plot, PlotPoint, design_runs, marked_points, series};
 use response_surface::Fit;
 use std::collections::BTreeMap;
 
@@ -18,34 +17,24 @@ const CURVE_POINTS: usize = 11;
 /// have no degrees of freedom for Student's t.
 const NORMAL_975: f64 = 1.959_963_984_540_054;
 
-/// Name of the chart of an observable, by the number of its model in the list of surfaces.
-pub(crate) fn surface_name(number: usize, quantity: &str) -> String {
-    format!("surface-{}-{}", number + 1, plain_name(quantity))
-}
-
-/// Charts of all surfaces that could be analysed.
-pub(super) fn charts(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Error> {
-    let mut charts = Vec::new();
-    for (number, surfaces) in input.calibration.surfaces.iter().enumerate() {
-        for (quantity, fit) in &surfaces.fits {
-            let Some(fit) = fit else { continue };
-            let shown = Shown {
-                input,
-                fit,
-                quantity,
-                measured: measured(input, &surfaces.model, quantity),
-            };
-            let svg = match strongest_two(fit) {
-                Some(places) => {
-                    let runs = design_runs(number, surfaces, fit, places);
-                    shown.contour(places, runs).draw()?
-                }
-                None => shown.curve(surfaces).draw()?,
-            };
-            charts.push(NamedPicture::chart(surface_name(number, quantity), svg));
-        }
+/// The chart of an observable of the model with a number in the list of surfaces.
+pub(crate) fn chart(
+    input: &ReportInput<'_>,
+    number: usize,
+    quantity: &str,
+    fit: &Fit,
+) -> Result<Plot, Error> {
+    let surfaces = &input.calibration.surfaces[number];
+    let shown = Shown {
+        input,
+        fit,
+        quantity,
+        measured: measured(input, &surfaces.model, quantity),
+    };
+    match strongest_two(fit) {
+        Some(places) => shown.contour(places, runs_of_design(number, surfaces, fit, places)),
+        None => Ok(shown.curve(surfaces)),
     }
-    Ok(charts)
 }
 
 /// What was measured of an observable of a model; none where it was not.
@@ -124,12 +113,12 @@ impl Shown<'_> {
     }
 
     /// The fitted curve with its 95 % interval, the means of the runs, and the measured band.
-    fn curve(&self, surfaces: &ModelSurfaces) -> LineSeries {
+    fn curve(&self, surfaces: &ModelSurfaces) -> Plot {
         let factor = &self.fit.factors[0];
         let point = |at: f64| {
             let coded = self.fit.coded(&[at]);
             let half = self.limit() * variance_of_mean(self.fit, &coded).sqrt();
-            SeriesPoint::new(at, self.fit.value(&coded), half)
+            PlotPoint::new(at, self.fit.value(&coded)).with_error(half)
         };
         let curve = evenly(factor.low(), factor.high(), CURVE_POINTS);
         let values = surfaces.values.get(self.quantity);
@@ -137,61 +126,51 @@ impl Shown<'_> {
         let band = self.measured.map_or_else(Vec::new, |m| {
             let half = NORMAL_975 * m.variance().sqrt();
             vec![
-                Level::new("measured ± 95 %", m.mean + half),
-                Level::new("", m.mean),
-                Level::new("", m.mean - half),
+                Mark::level("measured ± 95 %", m.mean + half),
+                Mark::level("", m.mean),
+                Mark::level("", m.mean - half),
             ]
         });
-        LineSeries {
-            x: title(factor),
-            y: self.response(),
-            series: vec![
-                Series {
-                    name: "fitted, ± 95 %".into(),
-                    points: curve.into_iter().map(point).collect(),
-                },
-                Series {
-                    name: "mean of the runs, ± sd".into(),
-                    points: runs,
-                },
-            ],
-            levels: band,
-        }
+        Plot::new(title(factor).into(), self.response().into())
+            .with_all(series(
+                0,
+                "fitted, ± 95 %",
+                curve.into_iter().map(point).collect(),
+            ))
+            .with_all(series(1, "mean of the runs, ± sd", runs))
+            .with_all(band)
     }
 
     /// Contours over two parameters, the others at the estimate.
-    fn contour(&self, [across, up]: [usize; 2], runs: Vec<DesignRun>) -> Contour {
+    fn contour(&self, [across, up]: [usize; 2], runs: Vec<PlotPoint>) -> Result<Plot, Error> {
         let fit = self.fit;
         let [x, y] = [&fit.factors[across], &fit.factors[up]];
-        let x_values = evenly(x.low(), x.high(), NODES);
-        let y_values = evenly(y.low(), y.high(), NODES);
-        let mut natural = estimate_of(self.input, fit);
-        let (mut values, mut region) = (Vec::new(), Vec::new());
-        for at_y in &y_values {
-            for at_x in &x_values {
-                (natural[across], natural[up]) = (*at_x, *at_y);
-                let coded = fit.coded(&natural);
-                values.push(fit.value(&coded));
-                region.extend(self.inside(&coded));
-            }
-        }
-        let region_name = match region.len() {
-            0 => String::new(),
-            _ => "not told from the measured value (95 %)".into(),
-        };
-        Contour {
+        let mut grid = Grid {
             x: title(x),
             y: title(y),
             response: self.response(),
-            x_values,
-            y_values,
-            values,
-            target: self.measured.map(|m| Level::new("measured value", m.mean)),
-            region_name,
-            region,
-            points: marked_points(self.input, [x, y]),
-            runs,
+            x_values: evenly(x.low(), x.high(), NODES),
+            y_values: evenly(y.low(), y.high(), NODES),
+            values: Vec::new(),
+        };
+        let mut natural = estimate_of(self.input, fit);
+        let mut region = Vec::new();
+        for at_y in &grid.y_values {
+            for at_x in &grid.x_values {
+                (natural[across], natural[up]) = (*at_x, *at_y);
+                let coded = fit.coded(&natural);
+                grid.values.push(fit.value(&coded));
+                region.extend(self.inside(&coded));
+            }
         }
+        let mut also = Vec::new();
+        if let Some(m) = self.measured {
+            also.extend(grid.region("not told from the measured value (95 %)", &region)?);
+            also.extend(grid.bold_line("measured value", m.mean)?);
+        }
+        also.push(marked_points(inside_points(self.input, [x, y])));
+        also.extend(design_runs(runs));
+        Ok(grid.contours(also)?)
     }
 
     /// How far a coded point lies inside the region of points that are not told from the measured value,
@@ -213,12 +192,12 @@ pub(crate) fn title(factor: &Factor) -> AxisTitle {
 }
 
 /// The points of the design in the plane of two factors; each opens its runs.
-fn design_runs(
+fn runs_of_design(
     number: usize,
     surfaces: &ModelSurfaces,
     fit: &Fit,
     shown: [usize; 2],
-) -> Vec<DesignRun> {
+) -> Vec<PlotPoint> {
     let place = |k: usize| {
         let symbol = fit.factors[k].symbol();
         surfaces.symbols.iter().position(|known| known == symbol)
@@ -226,17 +205,16 @@ fn design_runs(
     let [Some(x), Some(y)] = shown.map(place) else {
         return Vec::new();
     };
-    let run = |point: &DesignPoint<'_>| DesignRun {
-        name: point.name(&surfaces.symbols),
-        x: point.settings[x],
-        y: point.settings[y],
+    let run = |point: &DesignPoint<'_>| PlotPoint {
+        tip: point.name(&surfaces.symbols),
         link: format!("#{}", point.id(number)),
+        ..PlotPoint::new(point.settings[x], point.settings[y])
     };
     design_points(surfaces).iter().map(run).collect()
 }
 
 /// Mean and standard deviation (0 for a single run) of the values at each level, in rising order of the level.
-fn means_by_level(points: &[Vec<f64>], values: &[f64]) -> Vec<SeriesPoint> {
+fn means_by_level(points: &[Vec<f64>], values: &[f64]) -> Vec<PlotPoint> {
     let mut runs: Vec<(f64, f64)> = points
         .iter()
         .zip(values)
@@ -253,13 +231,13 @@ fn means_by_level(points: &[Vec<f64>], values: &[f64]) -> Vec<SeriesPoint> {
         } else {
             0.0
         };
-        SeriesPoint::new(level[0].0, mean, sd)
+        PlotPoint::new(level[0].0, mean).with_error(sd)
     };
     levels.map(point).collect()
 }
 
 /// The estimate and the start where they lie inside the picture.
-fn marked_points(input: &ReportInput<'_>, axes: [&Factor; 2]) -> Vec<MarkedPoint> {
+fn inside_points(input: &ReportInput<'_>, axes: [&Factor; 2]) -> Vec<PlotPoint> {
     let values: BTreeMap<&str, (f64, f64)> = input
         .calibration
         .parameters
@@ -274,10 +252,6 @@ fn marked_points(input: &ReportInput<'_>, axes: [&Factor; 2]) -> Vec<MarkedPoint
     [("estimate", x.0, y.0), ("start", x.1, y.1)]
         .into_iter()
         .filter(|(_, at_x, at_y)| inside(axes[0], *at_x) && inside(axes[1], *at_y))
-        .map(|(name, x, y)| MarkedPoint {
-            name: name.into(),
-            x,
-            y,
-        })
+        .map(|(name, x, y)| PlotPoint::new(x, y).with_label(name))
         .collect()
 }

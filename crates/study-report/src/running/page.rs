@@ -6,7 +6,9 @@ use crate::measurement_rows::{place, role_name};
 use crate::numbers::{DASH, digits, in_unit, observable, shown_unit, with_error};
 use campaign::{ProgressState, RunRequest, range_in_words, time_in_words};
 use inference::Measurement;
-use report::{AxisTitle, Column, Fact, Level, MarkedPoint, Report, Scatter, Table, Tone, counted};
+use report::{
+    AxisTitle, Column, Fact, Mark, Plot, PlotPoint, Report, Table, Tone, counted, scatter,
+};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Largest number of charts, so that the page is made and opened at once. Our choice.
@@ -226,7 +228,7 @@ fn results(report: &mut Report, rows: &[Row<'_>]) -> Result<(), Error> {
 
 impl Row<'_> {
     /// Its values against each parameter, condition or effect that differs between the runs.
-    fn charts(&self, seen: &Seen) -> Vec<(Scatter, String)> {
+    fn charts(&self, seen: &Seen) -> Vec<(Plot, String)> {
         let each: Vec<(BTreeMap<&str, f64>, f64)> = self
             .runs
             .iter()
@@ -244,34 +246,27 @@ impl Row<'_> {
                 .any(|(values, _)| of(values, name) != of(&each[0].0, name))
         };
         let chart = |name: &str| {
-            let points: Vec<[f64; 2]> = each
-                .iter()
-                .map(|(values, y)| [of(values, name), *y])
-                .collect();
-            let [x, y] = points[points.len() - 1];
+            let point =
+                |(values, y): &(BTreeMap<&str, f64>, f64)| PlotPoint::new(of(values, name), *y);
+            let points: Vec<PlotPoint> = each.iter().map(point).collect();
+            let latest = points
+                .last()
+                .cloned()
+                .map(|point| point.with_label("latest"));
             let (words, unit) = observable(self.quantity);
             let caption = format!(
                 "{}: {words} of {} against {name}.",
                 self.place,
                 counted(points.len(), "run", "runs")
             );
-            let chart = Scatter {
-                x: parameter_title(seen, name),
-                y: AxisTitle::new(words, unit),
+            let y = AxisTitle::new(words, unit);
+            let chart = scatter(
+                parameter_title(seen, name),
+                y,
                 points,
-                names: Vec::new(),
-                marked: vec![MarkedPoint {
-                    name: "latest".to_owned(),
-                    x,
-                    y,
-                }],
-                line: None,
-                levels: self
-                    .measured
-                    .map(|m| Level::new("measured", m.mean))
-                    .into_iter()
-                    .collect(),
-            };
+                latest.into_iter().collect(),
+            )
+            .with_all(self.measured.map(|m| Mark::level("measured", m.mean)));
             (chart, caption)
         };
         names.into_iter().filter(varies).map(chart).collect()

@@ -1,7 +1,5 @@
 //! The page of a running campaign.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
-
 use super::{PAUSE, RunningCampaign, RunningPage, RunningStage};
 use crate::test_input::example;
 use crate::tests::row;

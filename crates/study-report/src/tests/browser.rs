@@ -3,7 +3,7 @@
 use super::explorer::POINTS;
 use crate::test_input::Example;
 use crate::test_study::study;
-use crate::{Extent, write};
+use crate::write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -46,7 +46,7 @@ fn written(study: &Example) -> PathBuf {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../out/browser-test");
     std::fs::create_dir_all(&root).unwrap();
     let folder = root.canonicalize().unwrap();
-    write(&folder, &study.input(), Extent::WithParts).unwrap();
+    write(&folder, &study.input()).unwrap();
     folder
 }
 

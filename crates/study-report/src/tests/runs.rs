@@ -3,11 +3,8 @@
 use super::{page, rows};
 use crate::design_points::design_points;
 use crate::numbers::digits;
-use crate::page::study_page;
-use crate::test_input::Example;
+use crate::page::with_room;
 use crate::test_study::study;
-use crate::tests::files::table;
-use crate::{Extent, write};
 use std::collections::BTreeSet;
 
 /// Parts of a text between two others.
@@ -93,27 +90,6 @@ fn a_point_tells_settings_observables_and_what_its_records_keep() {
     );
 }
 
-/// Pictures of single runs stand in the page alone, and each run is one row of the table whatever needs its record.
-#[test]
-fn runs_of_the_design_give_no_files_and_one_row_each() {
-    let study: Example = study();
-    let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), &study.input(), Extent::WithParts).unwrap();
-    let pictures = std::fs::read_dir(folder.path().join("pictures")).unwrap();
-    for file in pictures {
-        let name = file.unwrap().file_name().into_string().unwrap();
-        assert!(!name.starts_with("design-run"), "{name}");
-    }
-    let runs = table(folder.path(), "runs.csv");
-    let keys = runs
-        .iter()
-        .skip(1)
-        .map(|line| line.rsplit(',').next().unwrap());
-    let distinct: BTreeSet<&str> = keys.clone().collect();
-    assert_eq!(distinct.len(), keys.count());
-    assert_eq!(distinct.len(), study.records.len());
-}
-
 /// All three pairs of three parameters can be chosen, the most correlated first, with the estimate in each; the equation
 /// and the analysis of variance have squares.
 #[test]
@@ -146,11 +122,11 @@ fn every_pair_of_parameters_and_every_square_is_shown() {
 
 /// A page without room for a frame says in which record it is; one with all frames says nothing of the kind.
 #[test]
-fn a_frame_for_which_there_is_no_room_is_told() {
+fn a_frame_without_room_on_the_page_is_in_its_record() {
     let study = study();
     let told = "is kept in its record alone";
     assert!(!page(&study).contains(told));
-    let without = study_page(&study.input(), &[]).unwrap();
+    let without = with_room(&study.input(), 0).unwrap();
     let with_frame =
         |record: &campaign::run_store::Record| !record.details()["last_frame_png_base64"].is_null();
     let surfaces = study.calibration.surfaces.iter();

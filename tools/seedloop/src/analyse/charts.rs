@@ -1,6 +1,7 @@
 //! The charts of an analysis.
 
 mod pairs;
+mod solids;
 
 use std::fs;
 use std::path::Path;
@@ -9,10 +10,7 @@ use anyhow::Context as _;
 use command_line::{Common, write_new};
 
 use probability::{chi_squared_quantile, normal_quantile, t_two_sided_quantile};
-use report::{
-    AxisTitle, FactorEffect, HalfNormal, Level, LineSeries, Pareto, PngPrinter, Scatter, Series,
-    SeriesPoint, Svg,
-};
+use report::{Axis, AxisTitle, Mark, Plot, PlotPoint, Svg, half_normal, pareto, scatter, series};
 use response_surface::fit::{Case, TermRow};
 use response_surface::{BoxCox, Categorical, Fit, Lenth, RidgePoint};
 
@@ -51,39 +49,32 @@ pub(super) fn all(report: &Report<'_>) -> anyhow::Result<Vec<Named>> {
 
 /// The profile of the power of the response with the limit of its 95 % interval, the interval there, and the response
 /// itself: powers below the limit are not told from the best one `[BoxCox1964]`.
-fn powers(profile: &BoxCox, n: usize) -> LineSeries {
+fn powers(profile: &BoxCox, n: usize) -> Plot {
     let points = profile.lambda.iter().zip(&profile.ln_sse);
-    let points: Vec<SeriesPoint> = points.map(|(x, y)| SeriesPoint::new(*x, *y, 0.0)).collect();
+    let points: Vec<PlotPoint> = points.map(|(x, y)| PlotPoint::new(*x, *y)).collect();
     let least = points.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
     let limit = chi_squared_quantile(0.05, 1.0).map(|rise| least + rise / n as f64);
     let [low, high] = profile.interval95.map(|end| power(profile, end));
-    let mut series = vec![Series {
-        name: format!("Box-Cox profile, best {}", power(profile, profile.best)),
-        points: points.clone(),
-    }];
-    if let Some(limit) = limit {
-        series.push(Series {
-            name: format!("95 % interval, {low} to {high}"),
-            points: profile
-                .interval95
-                .map(|x| SeriesPoint::new(x, limit, 0.0))
-                .into(),
-        });
-    }
-    let itself = points.iter().find(|p| p.x == 1.0);
-    series.extend(itself.map(|p| Series {
-        name: "the response itself".to_owned(),
-        points: vec![*p],
-    }));
-    LineSeries {
-        x: AxisTitle::new("power of the response", ""),
-        y: AxisTitle::new("ln of the residual sum of squares", ""),
-        series,
-        levels: limit
-            .map(|at| Level::new("limit, 95 %", at))
+    let ends = |limit: f64| profile.interval95.map(|x| PlotPoint::new(x, limit)).into();
+    let interval = format!("95 % interval, {low} to {high}");
+    let itself = points.iter().find(|p| p.x == 1.0).cloned();
+    let best = format!("Box-Cox profile, best {}", power(profile, profile.best));
+    Plot::new(
+        Axis::numbers("power of the response", ""),
+        Axis::numbers("ln of the residual sum of squares", ""),
+    )
+    .with_all(series(0, &best, points))
+    .with_all(
+        limit
             .into_iter()
-            .collect(),
-    }
+            .flat_map(|at| series(1, &interval, ends(at))),
+    )
+    .with_all(
+        itself
+            .into_iter()
+            .flat_map(|p| series(2, "the response itself", vec![p])),
+    )
+    .with_all(limit.map(|at| Mark::level("limit, 95 %", at)))
 }
 
 /// Charts of the surface; their names end with `suffix`.
@@ -123,43 +114,39 @@ fn of_levels(categories: &[Categorical]) -> usize {
     categories.iter().map(|c| c.levels().len() - 1).sum()
 }
 
-/// Writes the charts as SVG and PNG into a folder.
+/// Writes the charts as SVG into a folder.
 pub(super) fn write(common: &Common, folder: &Path, charts: &[Named]) -> anyhow::Result<()> {
     fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
-    let printer = PngPrinter::new();
-    if !printer.has_fonts() {
-        common
-            .log(|| "warning: this machine has no font, so the PNG charts have no text".to_owned());
-    }
     for (name, chart) in charts {
-        let file = |end: &str| folder.join(format!("{name}.{end}"));
-        write_new(&file("svg"), chart.as_str().as_bytes(), common.overwrite())?;
-        write_new(&file("png"), &printer.print(chart)?, common.overwrite())?;
+        let file = folder.join(format!("{name}.svg"));
+        write_new(&file, chart.as_str().as_bytes(), common.overwrite())?;
     }
     Ok(())
 }
 
 /// Pareto and half-normal charts.
 fn effects(report: &Report<'_>, charts: &mut Vec<Named>) -> anyhow::Result<()> {
-    if let Some(pareto) = &report.pareto {
+    if let Some(found) = &report.pareto {
         let signed = |(name, t): (&str, &f64)| {
-            let sign = pareto.sign.get(name).copied().unwrap_or(1);
-            FactorEffect::new(report.fit.formula.printed(name), t * f64::from(sign))
+            let sign = found.sign.get(name).copied().unwrap_or(1);
+            (report.fit.formula.printed(name), t * f64::from(sign))
         };
-        let limit = |name: &str, value: Option<f64>| value.map(|value| Level::new(name, value));
         let limits = [
-            limit("t 5 %", pareto.t_limit),
-            limit("Bonferroni 5 %", pareto.bonferroni_terms),
+            ("t 5 %", found.t_limit),
+            ("Bonferroni 5 %", found.bonferroni_terms),
         ];
-        let chart = Pareto {
-            size: AxisTitle::new("|t|", ""),
-            effects: pareto.t_abs.iter().map(signed).collect(),
-            limits: limits.into_iter().flatten().collect(),
-        };
+        let limits = limits
+            .into_iter()
+            .filter_map(|(name, at)| Some((name, at?)));
+        let effects: Vec<_> = found.t_abs.iter().map(signed).collect();
+        let chart = pareto(
+            &AxisTitle::new("|t|", ""),
+            &effects,
+            &limits.collect::<Vec<_>>(),
+        );
         charts.push(("pareto".to_owned(), chart.draw()?));
     }
-    let chart = half_normal(report);
-    if !chart.effects.is_empty() {
+    if let Some(chart) = half_normal_plot(report) {
         charts.push(("half-normal".to_owned(), chart.draw()?));
     }
     Ok(())
@@ -167,51 +154,68 @@ fn effects(report: &Report<'_>, charts: &mut Vec<Named>) -> anyhow::Result<()> {
 
 /// Half-normal plot with its limits: of all columns against Lenth's margins, of the terms as t where the residuals have
 /// degrees of freedom, of their coefficients otherwise.
-fn half_normal(report: &Report<'_>) -> HalfNormal {
+fn half_normal_plot(report: &Report<'_>) -> Option<Plot> {
     let fit = report.fit;
     let lenth = |found: &Lenth| {
         let limits = [
             ("margin of error", found.me),
             ("simultaneous margin of error", found.sme),
         ];
-        let limit = |(name, at): (&str, Option<f64>)| Some(Level::new(name, at?));
-        (
-            Some(found.pse),
-            limits.into_iter().filter_map(limit).collect::<Vec<_>>(),
-        )
+        let limits = limits
+            .into_iter()
+            .filter_map(|(name, at)| Some((name, at?)));
+        (Some(found.pse), limits.collect::<Vec<_>>())
     };
     let terms = || fit.terms.iter().filter(|(_, row)| row.ss_partial.is_some());
     let printed = |name: &str| fit.formula.printed(name);
-    let tested =
-        |(name, row): (&str, &TermRow)| Some(FactorEffect::new(printed(name), row.coef / row.se?));
-    let (quantity, effects, (standard_error, limits)): (&str, Vec<FactorEffect>, _) =
+    let tested = |(name, row): (&str, &TermRow)| Some((printed(name), row.coef / row.se?));
+    let (quantity, mut effects, (standard_error, limits)): (&str, Vec<(String, f64)>, _) =
         if let Some(s) = &report.saturated {
-            let list = s
-                .effects
-                .iter()
-                .map(|(name, e)| FactorEffect::new(name, *e));
+            let list = s.effects.iter().map(|(name, e)| (name.to_owned(), *e));
             ("|effect|", list.collect(), lenth(&s.lenth))
         } else if let Some(t) = fit.t_crit_975 {
-            let limit = Level::new("t, 5 %", t);
+            let limits = vec![("t, 5 %", t)];
             (
                 "|t|",
                 terms().filter_map(tested).collect(),
-                (Some(1.0), vec![limit]),
+                (Some(1.0), limits),
             )
         } else {
-            let list = terms().map(|(name, row)| FactorEffect::new(printed(name), row.coef));
+            let list = terms().map(|(name, row)| (printed(name), row.coef));
             ("|coefficient|, coded", list.collect(), (None, Vec::new()))
         };
-    HalfNormal {
-        size: AxisTitle::new(quantity, ""),
-        named_above: limits.first().map_or(0.0, |limit| limit.value),
-        effects: effects
-            .into_iter()
-            .filter(|e| e.value.is_finite())
-            .collect(),
-        standard_error: standard_error.filter(|se| se.is_finite()),
-        limits,
-    }
+    effects.retain(|e| e.1.is_finite());
+    let se = standard_error.filter(|se| se.is_finite());
+    let plot = half_normal(&AxisTitle::new(quantity, ""), &effects, se, &limits);
+    (!effects.is_empty()).then_some(plot)
+}
+
+/// Most points that all have their names.
+const MOST_NAMES: usize = 40;
+
+/// A point for each run with its number, or only beyond the limits if there are many runs.
+fn numbered(points: impl Iterator<Item = (usize, [f64; 2])>, limit: Option<f64>) -> Vec<PlotPoint> {
+    let points: Vec<(usize, [f64; 2])> = points.collect();
+    let all = points.len() <= MOST_NAMES;
+    let point = |(run, [x, y]): (usize, [f64; 2])| {
+        let named = all || limit.is_some_and(|limit| y.abs() > limit);
+        PlotPoint::new(x, y).with_label(if named {
+            run.to_string()
+        } else {
+            String::new()
+        })
+    };
+    points.into_iter().map(point).collect()
+}
+
+/// The line y = intercept + slope x over the range of some points.
+fn straight(points: &[PlotPoint], intercept: f64, slope: f64) -> Mark {
+    let x = || points.iter().map(|p| p.x);
+    let ends = [
+        x().fold(f64::INFINITY, f64::min),
+        x().fold(f64::NEG_INFINITY, f64::max),
+    ];
+    Mark::dashed("", ends.map(|x| [x, intercept + slope * x]).into())
 }
 
 /// Residuals in the usual views.
@@ -226,79 +230,74 @@ fn diagnostics(report: &Report<'_>, charts: &mut Vec<Named>) -> anyhow::Result<(
         return Ok(());
     }
     let residual = AxisTitle::new("external studentised residual", "");
-    let runs = || studentised.iter().map(|(case, _)| case.run.to_string());
-    let view = |x: AxisTitle, f: &dyn Fn(&Case) -> f64| Scatter {
-        x,
-        y: residual.clone(),
-        points: studentised.iter().map(|(case, t)| [f(case), *t]).collect(),
-        names: runs().collect(),
-        marked: Vec::new(),
-        line: Some([0.0, 0.0]),
-        levels: outlier_limits(fit),
+    let limit = outlier_limit(fit);
+    let view = |x: AxisTitle, f: &dyn Fn(&Case) -> f64| {
+        let points = studentised
+            .iter()
+            .map(|(case, t)| (case.run, [f(case), *t]));
+        let points = numbered(points, limit);
+        let zero = straight(&points, 0.0, 0.0);
+        let ends = limit.into_iter().flat_map(|t| {
+            [
+                Mark::level("outlier, 5 % of all runs", t),
+                Mark::level("", -t),
+            ]
+        });
+        scatter(x, residual.clone(), points, Vec::new())
+            .with(zero)
+            .with_all(ends)
+            .draw()
     };
     let fitted = AxisTitle::new(format!("fitted {response}"), "");
     charts.push((
         "residuals-fitted".to_owned(),
-        view(fitted.clone(), &|c| c.fitted).draw()?,
+        view(fitted.clone(), &|c| c.fitted)?,
     ));
     let order = AxisTitle::new("run", "");
     charts.push((
         "residuals-run".to_owned(),
-        view(order.clone(), &|c| c.run as f64).draw()?,
+        view(order.clone(), &|c| c.run as f64)?,
     ));
     // The columns of named levels stand behind the other factors.
     let numeric = fit.factors.len() - of_levels(&report.categories);
     for (j, factor) in fit.factors[..numeric].iter().enumerate() {
         let axis = AxisTitle::new(factor.symbol(), pairs::shown_unit(factor));
-        let chart = view(axis, &|c| factor.natural(c.coded[j]));
-        charts.push((format!("residuals-{}", factor.symbol()), chart.draw()?));
+        let chart = view(axis, &|c| factor.natural(c.coded[j]))?;
+        charts.push((format!("residuals-{}", factor.symbol()), chart));
     }
     let mut sorted: Vec<(&Case, f64)> = studentised.clone();
     sorted.sort_by(|a, b| a.1.total_cmp(&b.1));
     let n = sorted.len() as f64;
     let quantile = |i: usize| normal_quantile((i as f64 + 0.5) / n).unwrap_or(0.0);
-    let normal = Scatter {
-        x: AxisTitle::new("normal quantile", ""),
-        y: residual,
-        points: sorted
-            .iter()
-            .enumerate()
-            .map(|(i, (_, t))| [quantile(i), *t])
-            .collect(),
-        names: sorted
-            .iter()
-            .map(|(case, _)| case.run.to_string())
-            .collect(),
-        marked: Vec::new(),
-        line: Some([0.0, 1.0]),
-        levels: Vec::new(),
-    };
-    charts.push(("normal".to_owned(), normal.draw()?));
-    let comparison = Scatter {
-        x: AxisTitle::new(response, ""),
-        y: fitted,
-        points: fit.cases.iter().map(|c| [c.actual, c.fitted]).collect(),
-        names: fit.cases.iter().map(|c| c.run.to_string()).collect(),
-        marked: Vec::new(),
-        line: Some([0.0, 1.0]),
-        levels: Vec::new(),
-    };
-    charts.push(("fitted-actual".to_owned(), comparison.draw()?));
+    let ranked = sorted.iter().enumerate();
+    let points = numbered(
+        ranked.map(|(i, (case, t))| (case.run, [quantile(i), *t])),
+        None,
+    );
+    let line = straight(&points, 0.0, 1.0);
+    let normal = scatter(
+        AxisTitle::new("normal quantile", ""),
+        residual.clone(),
+        points,
+        Vec::new(),
+    );
+    charts.push(("normal".to_owned(), normal.with(line).draw()?));
+    let points = numbered(
+        fit.cases.iter().map(|c| (c.run, [c.actual, c.fitted])),
+        None,
+    );
+    let line = straight(&points, 0.0, 1.0);
+    let comparison = scatter(AxisTitle::new(response, ""), fitted, points, Vec::new());
+    charts.push(("fitted-actual".to_owned(), comparison.with(line).draw()?));
     influence(fit, &order, charts)
 }
 
-/// Limits beyond which the largest of all residuals lies by chance in 5 % of the fits (Bonferroni), none without degrees
+/// Limit beyond which the largest of all residuals lies by chance in 5 % of the fits (Bonferroni), none without degrees
 /// of freedom `[Belsley1980, section 2.1]`.
-fn outlier_limits(fit: &Fit) -> Vec<Level> {
+fn outlier_limit(fit: &Fit) -> Option<f64> {
     let df = fit.df_resid.saturating_sub(1);
     let limit = (df > 0).then(|| t_two_sided_quantile(0.05 / fit.n as f64, df as f64));
-    let Some(t) = limit.flatten() else {
-        return Vec::new();
-    };
-    vec![
-        Level::new("outlier, 5 % of all runs", t),
-        Level::new("", -t),
-    ]
+    limit.flatten()
 }
 
 /// What single rows do to the fit.
@@ -313,25 +312,11 @@ fn influence(fit: &Fit, order: &AxisTitle, charts: &mut Vec<Named>) -> anyhow::R
         ("dffits", "DFFITS", |c: &Case| c.dffits),
     ];
     for (name, title, value) in measures {
-        let chart = Scatter {
-            x: order.clone(),
-            y: AxisTitle::new(title, ""),
-            points: fit
-                .cases
-                .iter()
-                .filter_map(|c| Some([c.run as f64, value(c)?]))
-                .collect(),
-            names: fit
-                .cases
-                .iter()
-                .filter(|c| value(c).is_some())
-                .map(|c| c.run.to_string())
-                .collect(),
-            marked: Vec::new(),
-            line: None,
-            levels: Vec::new(),
-        };
-        if !chart.points.is_empty() {
+        let cases = fit.cases.iter();
+        let points = cases.filter_map(|c| Some((c.run, [c.run as f64, value(c)?])));
+        let points = numbered(points, None);
+        if !points.is_empty() {
+            let chart = scatter(order.clone(), AxisTitle::new(title, ""), points, Vec::new());
             charts.push((name.to_owned(), chart.draw()?));
         }
     }
@@ -340,46 +325,32 @@ fn influence(fit: &Fit, order: &AxisTitle, charts: &mut Vec<Named>) -> anyhow::R
 
 /// The highest and the lowest value on spheres around the middle of the ranges.
 fn paths(ridge: &Ridge, response: &str) -> anyhow::Result<Svg> {
-    let series = |name: &str, points: &[RidgePoint]| Series {
-        name: name.to_owned(),
-        points: points
-            .iter()
-            .map(|p| SeriesPoint::new(p.radius_coded, p.value, p.se_mean.unwrap_or(0.0)))
-            .collect(),
+    let path = |number: usize, name: &str, points: &[RidgePoint]| {
+        let point = |p: &RidgePoint| {
+            PlotPoint::new(p.radius_coded, p.value).with_error(p.se_mean.unwrap_or(0.0))
+        };
+        series(number, name, points.iter().map(point).collect())
     };
-    let chart = LineSeries {
-        x: AxisTitle::new("coded distance from the middle (bars: standard error)", ""),
-        y: AxisTitle::new(response, ""),
-        series: vec![
-            series("highest", &ridge.ascent),
-            series("lowest", &ridge.descent),
-        ],
-        levels: Vec::new(),
-    };
+    let chart = Plot::new(
+        Axis::numbers("coded distance from the middle (bars: standard error)", ""),
+        Axis::numbers(response, ""),
+    )
+    .with_all(path(0, "highest", &ridge.ascent))
+    .with_all(path(1, "lowest", &ridge.descent));
     Ok(chart.draw()?)
 }
 
 /// The response along each factor from the middle of the ranges.
 fn perturbation(fit: &Fit, response: &str) -> anyhow::Result<Svg> {
-    let series = fit.factors.iter().enumerate().map(|(j, factor)| {
+    let lines = fit.factors.iter().enumerate().flat_map(|(j, factor)| {
         let point = |x: f64| {
             let mut coded = vec![0.0; fit.factors.len()];
             coded[j] = x;
-            SeriesPoint::new(x, fit.value(&coded), 0.0)
+            PlotPoint::new(x, fit.value(&coded))
         };
-        Series {
-            name: factor.symbol().to_owned(),
-            points: along(LINE).map(point).collect(),
-        }
+        series(j, factor.symbol(), along(LINE).map(point).collect())
     });
-    let chart = LineSeries {
-        x: AxisTitle::new(
-            "coded distance from the middle, the other factors there",
-            "",
-        ),
-        y: AxisTitle::new(response, ""),
-        series: series.collect(),
-        levels: Vec::new(),
-    };
-    Ok(chart.draw()?)
+    let x = "coded distance from the middle, the other factors there";
+    let chart = Plot::new(Axis::numbers(x, ""), Axis::numbers(response, ""));
+    Ok(chart.with_all(lines).draw()?)
 }

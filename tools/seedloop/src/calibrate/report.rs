@@ -4,7 +4,7 @@ use anyhow::Context as _;
 use scene::FillingLibrary;
 use std::path::Path;
 use study::{Study, StudyResult, StudySimulator};
-use study_report::{ComparedValue, Extent, ReportInput};
+use study_report::{ComparedValue, ReportInput};
 
 /// Writes the report into the result folder.
 ///
@@ -15,7 +15,6 @@ pub(crate) fn write(
     study: &Study,
     simulator: &StudySimulator,
     result: &StudyResult,
-    extent: Extent,
 ) -> anyhow::Result<()> {
     let compare: Vec<ComparedValue> = result
         .compare
@@ -49,6 +48,6 @@ pub(crate) fn write(
         records: &result.records,
         spent: result.spent,
     };
-    study_report::write(folder, &input, extent)
+    study_report::write(folder, &input)
         .with_context(|| format!("cannot write the report into {}", folder.display()))
 }

@@ -5,8 +5,8 @@ use command_line::Common;
 use inference::diagnosis::{Problem, TrialRow, trials, usual_truths};
 use inference::{ResidualStudy, runs_needed};
 use std::path::Path;
-use study::{DiagnosisResult, Study};
-use study_report::{DiagnosisInput, Extent};
+use study::DiagnosisResult;
+use study_report::DiagnosisInput;
 
 /// Most drawn campaigns of each truth: the standard error of a rate of 0.05 is 0.015.
 const MOST_TRIALS: usize = 200;
@@ -21,10 +21,8 @@ const STRENGTH: f64 = 6.0;
 /// Campaigns that cannot be drawn, a file that cannot be written.
 pub(super) fn write(
     folder: &Path,
-    study: &Study,
     result: &DiagnosisResult,
     done: &ResidualStudy,
-    extent: Extent,
     common: &Common,
 ) -> anyhow::Result<()> {
     let defaults = result.defaults.iter();
@@ -36,7 +34,6 @@ pub(super) fn write(
         version: &result.version,
         seed: result.seed,
         inputs: &result.inputs,
-        parameters: &study.problem.parameters,
         defaults: &defaults,
         not_applicable: &result.not_applicable,
         planned_runs: runs_needed(&done.plan),
@@ -44,7 +41,7 @@ pub(super) fn write(
         study: done,
         trials: &known_truth(done, result.seed, common)?,
     };
-    study_report::write_diagnosis(folder, &input, extent)
+    study_report::write_diagnosis(folder, &input)
         .with_context(|| format!("cannot write the report into {}", folder.display()))
 }
 

@@ -3,7 +3,7 @@
 use crate::{assert_code, assert_error, seedloop, text};
 use std::path::Path;
 
-const COMMANDS: [&str; 12] = [
+const COMMANDS: [&str; 11] = [
     "simulate",
     "design",
     "run",
@@ -11,7 +11,6 @@ const COMMANDS: [&str; 12] = [
     "optimise",
     "init",
     "calibrate",
-    "watch",
     "diagnose",
     "bench-test",
     "export",

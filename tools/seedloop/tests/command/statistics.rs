@@ -311,8 +311,6 @@ fn analyse_draws_its_charts_and_compares_orders() {
     ] {
         let text = fs::read_to_string(folder.path().join(format!("plots/{chart}.svg"))).unwrap();
         assert!(text.starts_with("<svg"), "{chart}");
-        let png = fs::read(folder.path().join(format!("plots/{chart}.png"))).unwrap();
-        assert!(png.starts_with(b"\x89PNG"), "{chart}");
     }
 }
 

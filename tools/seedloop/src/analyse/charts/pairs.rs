@@ -1,12 +1,11 @@
 //! Charts over pairs of factors.
 
 use command_line::significant;
-use report::{
-    AxisTitle, Contour, Cube, CubeEdge, DesignRun, LineSeries, Series, SeriesPoint, Surface, Svg,
-};
+use report::{AxisTitle, Grid, Plot, PlotPoint, Svg, design_runs, series};
 use response_surface::fit::Case;
 use response_surface::{DataRegion, ErrorSource, Fit};
 
+use super::solids::{cube, surface};
 use super::{LINE, Named};
 
 /// Points along each axis of a contour or surface.
@@ -102,21 +101,7 @@ pub(super) fn draw(fit: &Fit, response: &str, charts: &mut Vec<Named>) -> anyhow
             let name = format!("{}-{}", a.symbol(), b.symbol());
             let flat = values.iter().all(|v| *v == values[0]);
             if !flat {
-                let contour = Contour {
-                    x: title(a),
-                    y: title(b),
-                    response: response.clone(),
-                    x_values: x_values.clone(),
-                    y_values: y_values.clone(),
-                    values: values.clone(),
-                    target: None,
-                    region_name: "beyond what the runs span".to_owned(),
-                    region: beyond_data(fit, nodes()),
-                    points: Vec::new(),
-                    runs: runs_of(fit, [i, j]),
-                };
-                charts.push((format!("contour-{name}"), contour.draw()?));
-                let surface = Surface {
+                let grid = Grid {
                     x: title(a),
                     y: title(b),
                     response: response.clone(),
@@ -124,7 +109,14 @@ pub(super) fn draw(fit: &Fit, response: &str, charts: &mut Vec<Named>) -> anyhow
                     y_values,
                     values,
                 };
-                charts.push((format!("surface-{name}"), surface.draw()?));
+                let beyond = beyond_data(fit, nodes());
+                let mut also = Vec::new();
+                if !beyond.is_empty() {
+                    also.extend(grid.region("beyond what the runs span", &beyond)?);
+                }
+                also.extend(design_runs(runs_of(fit, [i, j])));
+                charts.push((format!("contour-{name}"), grid.contours(also)?.draw()?));
+                charts.push((format!("surface-{name}"), surface(&grid).draw()?));
             }
             charts.push((
                 format!("interaction-{name}"),
@@ -136,7 +128,7 @@ pub(super) fn draw(fit: &Fit, response: &str, charts: &mut Vec<Named>) -> anyhow
 }
 
 /// The settings of the data in the plane of two factors, one mark for all rows of one setting.
-fn runs_of(fit: &Fit, [i, j]: [usize; 2]) -> Vec<DesignRun> {
+fn runs_of(fit: &Fit, [i, j]: [usize; 2]) -> Vec<PlotPoint> {
     if fit.cases.len() > MOST_MARKED {
         return Vec::new();
     }
@@ -157,11 +149,9 @@ fn runs_of(fit: &Fit, [i, j]: [usize; 2]) -> Vec<DesignRun> {
         let settings: Vec<String> = settings
             .map(|(f, x)| format!("{} = {}", f.symbol(), significant(*x, 4)))
             .collect();
-        DesignRun {
-            name: format!("Run {}: {}", runs.join(", "), settings.join(", ")),
-            x: natural[i],
-            y: natural[j],
-            link: String::new(),
+        PlotPoint {
+            tip: format!("Run {}: {}", runs.join(", "), settings.join(", ")),
+            ..PlotPoint::new(natural[i], natural[j])
         }
     };
     groups.into_iter().map(run).collect()
@@ -172,11 +162,9 @@ pub(super) fn cubes(fit: &Fit, response: &str, charts: &mut Vec<Named>) -> anyho
     let k = fit.factors.len();
     let edge = |j: usize| {
         let factor = &fit.factors[j];
-        CubeEdge {
-            title: AxisTitle::new(factor.symbol(), shown_unit(factor)),
-            low: factor.low(),
-            high: factor.high(),
-        }
+        let title = AxisTitle::new(factor.symbol(), shown_unit(factor));
+        let [low, high] = [factor.low(), factor.high()].map(|end| significant(end, 3));
+        format!("{title}: {low} to {high}")
     };
     for a in 0..k {
         for b in a + 1..k {
@@ -188,11 +176,8 @@ pub(super) fn cubes(fit: &Fit, response: &str, charts: &mut Vec<Named>) -> anyho
                     }
                     fit.value(&coded)
                 };
-                let chart = Cube {
-                    edges: [a, b, c].map(edge),
-                    response: response_at(fit, response, &[a, b, c]),
-                    values: std::array::from_fn(value),
-                };
+                let response = response_at(fit, response, &[a, b, c]);
+                let chart = cube(&[a, b, c].map(edge), &response, std::array::from_fn(value));
                 let name = [a, b, c].map(|j| fit.factors[j].symbol()).join("-");
                 charts.push((format!("cube-{name}"), chart.draw()?));
             }
@@ -207,26 +192,19 @@ fn interaction(fit: &Fit, response: &AxisTitle, i: usize, j: usize) -> anyhow::R
     let error = fit
         .error_variance(ErrorSource::AllRepeats)
         .or_else(|| fit.error_variance(ErrorSource::Residual));
-    let mut series = Vec::new();
-    for end in [-1.0, 1.0] {
+    let x = AxisTitle::new(a.symbol(), shown_unit(a));
+    let mut chart = Plot::new(x.into(), response.clone().into());
+    for (number, end) in [-1.0, 1.0].into_iter().enumerate() {
         let mut points = Vec::new();
         for x in along(LINE) {
             let mut coded = vec![0.0; fit.factors.len()];
             (coded[i], coded[j]) = (x, end);
             let got = fit.predict_with(&fit.natural(&coded), error)?;
             let half = got.ci95.map_or(0.0, |[low, high]| 0.5 * (high - low));
-            points.push(SeriesPoint::new(a.natural(x), got.mean, half));
+            points.push(PlotPoint::new(a.natural(x), got.mean).with_error(half));
         }
-        series.push(Series {
-            name: format!("{} = {}", b.symbol(), b.natural(end)),
-            points,
-        });
+        let name = format!("{} = {}", b.symbol(), b.natural(end));
+        chart = chart.with_all(series(number, &name, points));
     }
-    let chart = LineSeries {
-        x: AxisTitle::new(a.symbol(), shown_unit(a)),
-        y: response.clone(),
-        series,
-        levels: Vec::new(),
-    };
     Ok(chart.draw()?)
 }
