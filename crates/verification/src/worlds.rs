@@ -1,4 +1,10 @@
 //! Small worlds, for the rows and for the tests of the solver: balls, clusters, planes, starts.
+//!
+//! # Errors
+//!
+//! All fail only if the solver refuses a number.
+
+#![expect(clippy::missing_errors_doc, reason = "one reason for all, above")]
 
 use crate::CheckError;
 use contact_law::{Material, NormalForceEnd, PairParameters};
