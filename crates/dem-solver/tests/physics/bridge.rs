@@ -54,7 +54,7 @@ fn follows(
         world.step().expect("steps");
         let pull = world.bodies().load[0].force()[axis];
         match law(gap, speed) {
-            Some(expected) if expected == 0.0 => {
+            Some(0.0) => {
                 assert_eq!(pull, 0.0, "gap {gap}");
                 seen[1] += 1;
             }

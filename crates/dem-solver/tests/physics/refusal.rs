@@ -66,12 +66,18 @@ fn good_parts_are_accepted() {
     assert!(build(good()).is_ok(), "the parts are good");
 }
 
+/// Spoils one setting by a value.
+type SpoiledSetting = fn(&mut Settings, f64);
+
+/// Spoils one part of a start.
+type SpoiledStart = fn(&mut Placement);
+
 #[test]
 fn impossible_settings_are_refused() {
     for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let spoils: [(&str, fn(&mut Settings, f64)); 3] = [
+        let spoils: [(&str, SpoiledSetting); 3] = [
             ("time step in s", |settings, value| {
-                settings.time_step = value
+                settings.time_step = value;
             }),
             ("skin in m", |settings, value| settings.skin = value),
             ("margin in m", |settings, value| settings.margin = value),
@@ -222,7 +228,7 @@ fn gravity_steps_and_motions_that_cannot_be_meant_are_errors() {
 
 #[test]
 fn impossible_start_is_refused() {
-    let spoils: [(&str, fn(&mut Placement)); 3] = [
+    let spoils: [(&str, SpoiledStart); 3] = [
         ("position", |start| start.position.x = f64::NAN),
         ("velocity", |start| start.velocity.y = f64::INFINITY),
         ("spin", |start| start.spin.z = f64::NAN),

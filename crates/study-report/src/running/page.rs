@@ -20,17 +20,16 @@ const RELOAD_S: u32 = 5;
 pub(super) fn page(seen: &Seen, end: Option<End<'_>>) -> Result<String, Error> {
     let mut report = Report::new(&seen.campaign.title);
     report.section("Progress");
-    match end {
-        Some(end) => report.verdict(end.tone, end.headline, end.reason),
-        None => {
-            report.reload_every(RELOAD_S);
-            let stage = match seen.stage.as_str() {
-                "" => "Running".to_owned(),
-                stage => format!("Running: {stage}"),
-            };
-            report.verdict(Tone::Note, &stage, &seen.remark)
-        }
-    };
+    if let Some(end) = &end {
+        report.verdict(end.tone, end.headline, end.reason);
+    } else {
+        report.reload_every(RELOAD_S);
+        let stage = match seen.stage.as_str() {
+            "" => "Running".to_owned(),
+            stage => format!("Running: {stage}"),
+        };
+        report.verdict(Tone::Note, &stage, &seen.remark);
+    }
     report.facts(&facts(seen, end.is_some()));
     stages(&mut report, seen)?;
     for (sentence, lines) in [
@@ -292,8 +291,8 @@ fn values_of(request: &RunRequest) -> impl Iterator<Item = (&str, f64)> {
 
 /// A run in words.
 pub(super) fn run_in_words(request: &RunRequest) -> String {
-    let values: String = values_of(request)
-        .map(|(name, value)| format!(", {name} = {}", digits(value)))
-        .collect();
-    format!("{}{values}, seed {}", request.model, request.seed)
+    let mut parts = vec![request.model.clone()];
+    parts.extend(values_of(request).map(|(name, value)| format!("{name} = {}", digits(value))));
+    parts.push(format!("seed {}", request.seed));
+    parts.join(", ")
 }
