@@ -21,7 +21,7 @@
 //!
 //! # Source
 //!
-//! `[Willett2000]`, closed form for small bridges, there with half the gap (2.1 and 10 in place of
+//! `[Willett2000]`, closed form for small bridges, there with half the gap (2.1 and 10 instead of
 //! 1.05 and 2.5); unequal spheres by the mean radius. Rupture: `[Lian1993]`.
 
 #![expect(

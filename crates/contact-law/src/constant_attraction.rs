@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Bo is the granular Bond number: attraction of one contact over the weight of one body. It
-//! stands for a liquid bridge or a tacky coat whose range is small against the body. The friction
+//! represents a liquid bridge or a tacky coat whose range is small against the body. The friction
 //! limit stays `mu F_repulsive`: the attraction loads the contact, the repulsion carries it.
 //!
 //! # Source

@@ -51,7 +51,7 @@ pub use rolling_spring_dashpot::RollingSpringDashpot;
 pub use viscoelastic_damping::ViscoelasticDamping;
 pub use viscous_bridge::{ViscousBridge, ViscousForce};
 
-/// What is wrong with a material or a contact parameter.
+/// Fault of a material or a contact parameter.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

@@ -88,7 +88,7 @@ mod tests {
         assert_eq!(law.attraction(1e-3, -1e-6), 0.0);
         assert!(
             LinearCohesion::new(-1.0).is_err(),
-            "repulsion is no cohesion"
+            "repulsion is not a cohesion"
         );
     }
 

@@ -31,10 +31,10 @@
 use crate::{Error, in_range};
 use nalgebra::Vector3;
 
-/// Damping ratio of rolling where nothing else is said; the source shows 0 to 0.3 and more.
+/// Damping ratio of rolling if nothing else is said; the source shows 0 to 0.3 and more.
 pub const DAMPING_RATIO: f64 = 0.3;
 
-/// Stiffness over `k_t R*²` where nothing else is said; the source's value for discs.
+/// Stiffness over `k_t R*²` if nothing else is said; the source's value for discs.
 pub const STIFFNESS_RATIO: f64 = 2.25;
 
 /// The law for one pair of surfaces.

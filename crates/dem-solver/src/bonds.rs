@@ -18,7 +18,7 @@ use crate::{Bodies, World};
 use contact_law::bond::{Bond, Deformation, ReducedInertia};
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// What can be wrong with bonds.
+/// Errors of bonds.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -172,7 +172,7 @@ impl Bonds {
             .collect()
     }
 
-    /// Breaks bonds by their number, and mends all others: with the bodies where they were, what goes on from a kept state.
+    /// Breaks bonds by their number, and mends all others: with the bodies where they were, what continues from a kept state.
     ///
     /// # Errors
     ///

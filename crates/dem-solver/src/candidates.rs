@@ -41,7 +41,7 @@ pub(crate) struct Patch {
     pub(crate) radius: f32,
 }
 
-/// Slope at which a body must fall away from its neighbour beyond the patch; a list is made anew after a larger turn.
+/// Slope at which a body must fall away from its neighbour beyond the patch; a list is rebuilt after a larger turn.
 pub(crate) const SLOPE: f32 = 0.25;
 
 /// A box in the frame of body i.

@@ -16,7 +16,7 @@ pub struct Census {
     pub touching_pairs: usize,
     /// Touching pairs of spheres.
     pub sphere_contacts: usize,
-    /// Lists made anew since the start.
+    /// Lists rebuilt since the start.
     pub rebuilds: u64,
     /// Lists looked at since the start.
     pub checks: u64,

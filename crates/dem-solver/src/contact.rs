@@ -51,7 +51,7 @@ pub(crate) struct SpherePair {
     pub(crate) radii: [f64; 2],
     /// Masses that both spheres bring into the dashpots, kg.
     pub(crate) dashpot_masses: [f64; 2],
-    /// Volume of the bridge of liquid, 0 where there is none, m³.
+    /// Volume of the bridge of liquid, 0 if there is none, m³.
     pub(crate) bridge_volume: f64,
 }
 
@@ -95,7 +95,7 @@ pub(crate) struct SphereWall {
     pub(crate) wall_spin: Vector3<f64>,
     /// Overlap, radius and dashpot mass.
     pub(crate) geometry: ContactGeometry,
-    /// Volume of the bridge of liquid, 0 where there is none, m³.
+    /// Volume of the bridge of liquid, 0 if there is none, m³.
     pub(crate) bridge_volume: f64,
 }
 

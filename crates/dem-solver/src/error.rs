@@ -1,6 +1,6 @@
-//! Why a world cannot be built or cannot go on.
+//! Why a world cannot be built or cannot continue.
 
-/// Why a world cannot be built or cannot go on.
+/// Why a world cannot be built or cannot continue.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -162,7 +162,7 @@ pub enum Error {
     },
     /// A snapshot of another world.
     #[error(
-        "this snapshot is of another world: {what} are {found}, not {expected}; start the run anew"
+        "this snapshot is of another world: {what} are {found}, not {expected}; start the run again"
     )]
     OtherWorld {
         /// What differs.

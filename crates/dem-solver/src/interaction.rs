@@ -38,7 +38,7 @@ pub struct OptionalLaws {
     pub viscoelastic: Option<ViscoelasticDamping>,
     /// Friction that depends on the speed of sliding.
     pub rate_dependent: Option<RateDependentFriction>,
-    /// Rolling resistance of type C, in place of type A; it brings its own coefficient.
+    /// Rolling resistance of type C, instead of type A; it brings its own coefficient.
     pub rolling_spring: Option<RollingSpringDashpot>,
     /// Arm of rolling resistance, of either type.
     pub rolling_lever: RollingLever,

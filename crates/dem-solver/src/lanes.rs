@@ -1,6 +1,6 @@
 //! Sixteen or eight numbers side by side, on the widest instructions that the processor has.
 //!
-//! [`Simd`] stands for an instruction set that is known to be there. A function that takes one
+//! [`Simd`] represents an instruction set that is known to be there. A function that takes one
 //! is compiled for each set, if it is inlined down to the dispatch.
 
 #![expect(

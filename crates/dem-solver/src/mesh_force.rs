@@ -49,7 +49,7 @@ pub(crate) struct TriangleContact {
 struct Near {
     body: usize,
     wall: usize,
-    /// Sum of the ways of body and wall at which the list must be made anew, m.
+    /// Sum of the ways of body and wall at which the list must be rebuilt, m.
     limit: f64,
     /// Triangles within the margin of the body.
     triangles: Vec<u32>,

@@ -323,7 +323,7 @@ mod tests {
         // Times of 0.3 s are known to 6e-17 s, so the place to 1e-17 m.
         assert!((place - expected).abs() < 1e-15, "{place}");
 
-        // The same vibration given again goes on.
+        // The same vibration given again continues.
         wall.set_motion(&vibrating, time);
         assert!(wall.pivot().z.to_bits() == place.to_bits());
         time += STEP;

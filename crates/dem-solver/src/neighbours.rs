@@ -3,7 +3,7 @@
 //! A pair sleeps until its two bodies together have moved by more than the distance that its list covers. Distances are
 //! measured in a frame that turns with the drum, where a bed that turns as a whole is at rest. The sum of both travels is an upper
 //! bound of the relative motion that costs one addition; when it exceeds the limit, the true relative motion
-//! since the list was made decides whether the list must be made anew.
+//! since the list was made decides whether the list must be rebuilt.
 //!
 //! Worlds of bodies of one sphere each have lists of their own (`spheres`).
 
@@ -44,7 +44,7 @@ pub(crate) struct Chunk {
 }
 
 /// What decides whether pairs need attention in a step, one entry a pair; read every step for every pair. Both
-/// arrays go on for one group of eight behind the last pair.
+/// arrays continue for one group of eight behind the last pair.
 #[derive(Debug, Clone, Default)]
 struct PairTable {
     /// The earlier body.
@@ -178,7 +178,7 @@ pub(crate) struct Neighbours {
     pub(crate) chunks: Vec<Chunk>,
     /// Touching pairs of spheres of the step before.
     pub(crate) touches: Vec<SphereContact>,
-    /// Lists made anew since the start.
+    /// Lists rebuilt since the start.
     n_rebuilds: u64,
     /// Pairs looked at since the start.
     n_checks: u64,
@@ -279,7 +279,7 @@ impl Neighbours {
         self.start.push(0);
     }
 
-    /// Adds the partners of body `j`, in rising order, keeping what is known of old pairs.
+    /// Adds the partners of body `j`, in rising order, keeping the known data of old pairs.
     ///
     /// `travel` is the travel of the bodies up to now; the caller sets it to 0 afterwards, so
     /// the limits of the pairs that stay are lowered by it.
@@ -364,7 +364,7 @@ impl Neighbours {
         black_box(read);
     }
 
-    /// Looks at a pair whose covered motion is used up; makes its list anew where
+    /// Looks at a pair whose covered motion is used up; makes its list again where
     /// the true relative motion demands it.
     #[inline(always)]
     pub(crate) fn refresh<S: Simd>(

@@ -20,7 +20,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, f32x8, u32x8};
 use nalgebra::{Matrix3, Vector3};
 
-/// Bodies whose pairs are looked at together. What is known of a pair that is awake lies anywhere among those that sleep;
+/// Bodies whose pairs are looked at together. Known data of a pair that is awake lies anywhere among those that sleep;
 /// for some at a time it is fetched side by side, and stays in the first-level cache until it is used.
 const BLOCK: usize = 16;
 
@@ -73,7 +73,7 @@ fn distances<S: Simd>(
     square
 }
 
-/// Writes the keys of all candidates that may touch into `near`; returns their number and, where there are
+/// Writes the keys of all candidates that may touch into `near`; returns their number and, if there are
 /// none, how much farther the nearest centres are than the largest distance of a contact (m).
 ///
 /// `square` is that of the largest distance at which two spheres can have a contact (m²), `n` the number of
@@ -203,7 +203,7 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
     }
 
     /// Works off the batch if it has no place for a contact of an interaction. To be called before anything of the
-    /// contact is read: what is known of it would have to wait in memory.
+    /// contact is read: known values would have to wait in memory.
     #[inline(always)]
     fn make_place(&mut self, interaction: usize) {
         if self.batch.must_be_applied(interaction) {

@@ -69,7 +69,7 @@ pub fn loads(world: &World, history: &mut History) -> Vec<Load> {
 
 /// Tries every sphere of body `i` with every sphere of body `j`.
 ///
-/// `known` tells what a contact remembers, none if it is new; `found` gets the key of each contact, its geometry, its
+/// `known` reports what a contact remembers, none if it is new; `found` gets the key of each contact, its geometry, its
 /// law and what the law says.
 pub(crate) fn find_pairs(
     world: &World,
@@ -140,7 +140,7 @@ pub(crate) fn find_at_wall(
     }
 }
 
-/// The number of a sphere as it stands in a key.
+/// The number of a sphere as it is in a key.
 fn word(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
 }

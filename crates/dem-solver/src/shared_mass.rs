@@ -62,7 +62,7 @@ impl Turned<'_> {
 /// A contact of N bodies: two that meet, or one at a wall.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Touch<const N: usize> {
-    /// Radius of the contact, m; 0 where nothing is pressed.
+    /// Radius of the contact, m; 0 if nothing is pressed.
     pub(crate) radius: f64,
     /// Unit normal, in either direction.
     pub(crate) normal: Vector3<f64>,
@@ -109,7 +109,7 @@ impl<'a, const N: usize> Shares<'a, N> {
         })
     }
 
-    /// Masses in the dashpot of a contact (kg) in place of those of its spheres (kg).
+    /// Masses in the dashpot of a contact (kg) instead of those of its spheres (kg).
     #[inline(always)]
     pub(crate) fn masses(&self, touch: &Touch<N>, of_spheres: [f64; N]) -> [f64; N] {
         let share = (touch.radius / self.total).max(LEAST);

@@ -1,9 +1,9 @@
 //! The state of a world between two steps, to be kept and continued from.
 //!
 //! A snapshot holds what the next step depends on: bodies, what each contact remembers, the walls on
-//! their way, and the time. The lists are not part of it. They are made anew, and since the forces are
+//! their way, and the time. The lists are not part of it. They are rebuilt, and since the forces are
 //! summed in the order of bodies and spheres whatever the age of the lists, a world that continues from
-//! a snapshot goes on with the same bits.
+//! a snapshot continues with the same bits.
 
 use crate::bodies::{Bodies, Placement};
 use crate::error::Error;

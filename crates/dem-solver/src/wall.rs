@@ -79,7 +79,7 @@ impl Wall {
     #[inline(always)]
     #[expect(
         clippy::inline_always,
-        reason = "it stands in the loop over the spheres near a wall"
+        reason = "it is in the loop over the spheres near a wall"
     )]
     pub(crate) fn nearest(&self, centre: &Vector3<f64>) -> Nearest {
         match &self.shape {

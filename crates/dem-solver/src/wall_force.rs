@@ -30,7 +30,7 @@ use std::ops::Range;
 struct Near {
     body: usize,
     wall: usize,
-    /// Travel of the body at which the list must be made anew, m.
+    /// Travel of the body at which the list must be rebuilt, m.
     limit: f32,
     /// Travel of the body up to which none of the candidates is awake, m: [`TOUCHES`] where one of them touches.
     wake: f32,

@@ -23,7 +23,7 @@ pub(crate) struct Workspace {
     pub(crate) stale: Vec<Due>,
     /// Keys of the candidates of one pair that may touch.
     pub(crate) near: Vec<u32>,
-    /// Touching pairs of spheres of this step; then those of a body at a wall whose list is made anew.
+    /// Touching pairs of spheres of this step; then those of a body at a wall whose list is rebuilt.
     pub(crate) touches: Vec<SphereContact>,
     /// Buffers of the search for candidates.
     pub(crate) scratch: Scratch,

@@ -13,7 +13,7 @@ use surface_profile::{measure, measure_heap};
 /// One measured picture: error and stated standard error for line, middle and chord, degrees.
 type Measured = [[f64; 2]; 3];
 
-/// What came out of one picture.
+/// Result of one picture.
 enum Outcome {
     /// Measured.
     Measured(Measured),
@@ -110,7 +110,7 @@ fn heap_rows(name: &str, each: u64, draw: impl Fn(u64) -> HeapScene) {
             mode: Mode::Heap,
             camera_roll: scene.lean,
             camera_elevation: Some(scene.elevation),
-            // Each flank stands for itself.
+            // Each flank represents itself.
             max_angle_error: 0.5,
             ..Settings::default()
         };

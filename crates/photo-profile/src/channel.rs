@@ -98,7 +98,7 @@ impl Channel {
 /// The squared distance of two groups in a channel is `J = (m1 - m2)^2 / ((v1 + v2) / 2 + s^2)`, with their means and
 /// variances and the noise s of a camera. The sum of channels with the largest J has the weights
 /// `((V1 + V2) / 2 + s^2 I)^-1 (m1 - m2)` `[Fisher1936]`. The luminance is kept where it reaches `J = 16`, or half of the
-/// best J, or where no channel reaches 4; then a channel alone that reaches 0.8 of the best is taken, and then the sum.
+/// best J, or if no channel reaches 4; then a channel alone that reaches 0.8 of the best is taken, and then the sum.
 ///
 /// Where the caller says which tone the bed has, only channels count that have one.
 pub(crate) fn separating(groups: &[Vec<[f64; 3]>; 2], foreground: Foreground) -> Channel {

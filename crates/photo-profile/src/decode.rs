@@ -152,7 +152,7 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, Error> {
     })
 }
 
-/// [`read_photo`] of a file whose bytes are read already; `path` stands in messages.
+/// [`read_photo`] of a file whose bytes are read already; `path` is in messages.
 ///
 /// # Errors
 /// [`Error::Decode`], [`Error::Truncated`] and [`Error::TooLarge`].

@@ -26,7 +26,7 @@ const RADIUS_LIMITS: [f64; 2] = [0.12, 0.6];
 /// Least part of the circle that must show an edge: the bed's side alone, of a bed that fills a
 /// sixth of a drum whose background has the tone of the air.
 const LEAST_COVER: f64 = 0.25;
-/// Least part of a circle that makes it worth a look where there is no drum: in grey noise edges show on 0.09 and less.
+/// Least part of a circle that makes it worth a look if there is no drum: in grey noise edges show on 0.09 and less.
 const LEAST_CANDIDATE: f64 = 0.15;
 /// Largest flattening: 0.025 tilts an angle of 40 degrees by up to 0.7 degrees.
 const MOST_FLATTENING: f64 = 0.025;

@@ -61,7 +61,7 @@ impl NoPhoto {
 }
 
 impl PictureFiles {
-    /// Looks for the pictures in folders; a file that is named stands for itself, unless it is an overlay or the mask.
+    /// Looks for the pictures in folders; a file that is named represents itself, unless it is an overlay or the mask.
     ///
     /// # Errors
     /// [`Error::Read`] for a folder that cannot be listed, [`Error::NoPicture`] for one without photos, and
@@ -150,7 +150,7 @@ fn files_in(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Error> {
 }
 
 /// One of so many pictures: of several files each `every`-th file, and all pictures in it; of one file all of it. Also the number that
-/// tells which pictures of a file to take, 1 for all.
+/// states which pictures of a file to take, 1 for all.
 pub fn one_of(every: NonZeroUsize, files: Vec<PathBuf>) -> (Vec<PathBuf>, usize) {
     if files.len() > 1 {
         (files.into_iter().step_by(every.get()).collect(), 1)

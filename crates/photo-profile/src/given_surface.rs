@@ -28,7 +28,7 @@ const STEP: f64 = 1e-3;
 
 /// Measures the surface through places on it, px, in any order, in a drum that is stated or found.
 ///
-/// Straight lines join the places; what lies beyond 0.96 of the radius is left out, as in a picture that is read. The reading tells
+/// Straight lines join the places; what lies beyond 0.96 of the radius is left out, as in a picture that is read. The reading gives
 /// the angle and its errors, and no fill level.
 ///
 /// # Formula

@@ -60,7 +60,7 @@ impl Tone {
 /// # Formula
 /// Cells on either side of the threshold are two classes; the tone of each is a polynomial of
 /// second degree over the disc (ridge least squares), low L and high H; the local threshold is
-/// `(L + H) / 2`, and cells are sorted anew by it, four times. From the second time on, cells farther
+/// `(L + H) / 2`, and cells are sorted again by it, four times. From the second time on, cells farther
 /// than 3 robust standard deviations from the tone of their class (a reflection, a stuck particle, an
 /// object before the rim, the half tones of an edge) do not count for it. With a distance d the share is
 /// `2 (d - L) / (H - L) - 1/2` between 0 and 1: the half share of a blurred edge lies where the

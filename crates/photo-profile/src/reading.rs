@@ -141,7 +141,7 @@ pub enum Refusal {
         error: f64,
         /// Largest standard error, degrees.
         most_error: f64,
-        /// Inclination of the line all the same, degrees: it tells whether leaving such surfaces out shifts a mean.
+        /// Inclination of the line all the same, degrees: it shows whether leaving such surfaces out shifts a mean.
         line: f64,
     },
     /// The heap reaches out of the picture.
@@ -253,7 +253,7 @@ pub struct RefusedReading {
 }
 
 impl PhotoReading {
-    /// The bed of a drum; none of a heap and where nothing was measured.
+    /// The bed of a drum; none of a heap and if nothing was measured.
     pub fn bed(&self) -> Option<&DrumReading> {
         match self {
             Self::Drum(bed) => Some(bed),
@@ -261,7 +261,7 @@ impl PhotoReading {
         }
     }
 
-    /// The heap; none of a drum and where nothing was measured.
+    /// The heap; none of a drum and if nothing was measured.
     pub fn heap(&self) -> Option<&HeapReading> {
         match self {
             Self::Heap(heap) => Some(heap),
@@ -269,7 +269,7 @@ impl PhotoReading {
         }
     }
 
-    /// What was found where nothing was measured.
+    /// What was found if nothing was measured.
     pub fn refused(&self) -> Option<&RefusedReading> {
         match self {
             Self::Refused(refused) => Some(refused),
@@ -309,7 +309,7 @@ impl PhotoReading {
         }
     }
 
-    /// How far to trust the reading, 0 to 1; 0 where nothing was measured.
+    /// How far to trust the reading, 0 to 1; 0 if nothing was measured.
     pub fn quality(&self) -> f64 {
         match self {
             Self::Drum(bed) => bed.quality,

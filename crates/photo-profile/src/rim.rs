@@ -166,7 +166,7 @@ struct Ring {
     width: f64,
 }
 
-/// Moves the circle to the ring of edges that bounds the bed, and tells how far a rival is.
+/// Moves the circle to the ring of edges that bounds the bed, and shows how far a rival is.
 ///
 /// The support of a radius is the part of the turn with an edge within [`ON_RIM`] of it.
 fn choose_ring(picture: &PhotoPixels, start: Circle) -> Ring {

@@ -73,7 +73,7 @@ pub struct Settings {
     pub camera_elevation: Option<f64>,
 }
 
-/// Largest standard error of an angle from one picture where nothing else is said, rad.
+/// Largest standard error of an angle from one picture if nothing else is said, rad.
 pub const MAX_ANGLE_ERROR: f64 = 3.0 * std::f64::consts::PI / 180.0;
 
 impl Default for Settings {

@@ -28,7 +28,7 @@ impl Posture {
     }
 }
 
-/// The pictures of a series that seem to lie on their side, with what speaks for it in words; a picture is counted from 0.
+/// The pictures of a series that seem to lie on their side, with what supports it in words; a picture is counted from 0.
 ///
 /// A bed that is turned by 90 degrees shows 90 degrees less its angle and stands high on the other side, whichever way it is
 /// turned, and its picture has width and height exchanged. Each of the two is compared with what most pictures show; of as many

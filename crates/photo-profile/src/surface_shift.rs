@@ -93,8 +93,8 @@ pub enum NoShift {
 /// picture by the normalised cross-correlation of their grey levels, 0.15 radii along the surface line either way and 0.03
 /// across it; the highest correlation and its neighbours along the line give a parabola, whose top is the shift. Blocks of one
 /// tone are left out, and blocks that correlate by less than 0.6, by less than 1.2 times their correlation with another place
-/// 0.05 radii away, or whose best place lies at the end of the search. The shift is the median of the others; there is none
-/// where fewer than three, or fewer than half of all blocks with texture, agree with it to 0.03 radii.
+/// 0.05 radii away, or whose best place lies at the end of the search. The shift is the median of the others; it is missing
+/// if fewer than three, or fewer than half of all blocks with texture, agree with it to 0.03 radii.
 ///
 /// # Source
 ///

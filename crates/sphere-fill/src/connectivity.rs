@@ -5,7 +5,7 @@ use crate::pieces::Pieces;
 use geometry::clump::Sphere;
 use std::collections::BTreeMap;
 
-/// Largest gap that counts as contact, over the smallest radius, where none is given.
+/// Largest gap that counts as contact, over the smallest radius, if none is given.
 ///
 /// A packing keeps its overlaps to 0.1 % and its surface to 1 % of the radius, so a gap below 1 % is no
 /// more than its own inaccuracy; our choice. At half of it some of the 473 spheres of 0.3 mm in the flat
@@ -52,7 +52,7 @@ pub struct Connectivity {
 }
 
 impl Connectivity {
-    /// Looks at spheres; pairs with a gap of at most `largest_gap` (m) are in contact, where none is
+    /// Looks at spheres; pairs with a gap of at most `largest_gap` (m) are in contact, if none is
     /// given 1 % of the smallest radius.
     pub fn new(spheres: &[Sphere], largest_gap: Option<f64>) -> Self {
         let smallest = spheres
@@ -276,6 +276,6 @@ mod tests {
         }
         let found = Connectivity::new(&spheres, None).joining_gap;
         assert!((found - widest).abs() < 1e-14, "{found} {widest}");
-        assert!(widest > 0.1, "the case is no case");
+        assert!(widest > 0.1, "the case is not a case");
     }
 }

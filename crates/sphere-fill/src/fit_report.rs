@@ -10,7 +10,7 @@ use trimesh::VolumeMoments;
 /// Surface points at which the gap is measured: standard errors are then below 1 % of the value.
 const SAMPLES: usize = 20_000;
 
-/// How well a union of spheres stands for a body.
+/// How well a union of spheres represents a body.
 ///
 /// The gap g at a surface point is the distance from there to the nearest sphere surface,
 /// g = minᵢ(|p − cᵢ| − rᵢ), positive where the spheres fall short of the surface and negative

@@ -21,7 +21,7 @@ impl Pieces {
         }
     }
 
-    /// The member that stands for the part of a member.
+    /// The member that represents the part of a member.
     pub(crate) fn root(&self, mut member: usize) -> usize {
         while self.above[member] != member {
             member = self.above[member];

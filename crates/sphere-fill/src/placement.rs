@@ -20,7 +20,7 @@ pub(crate) struct Placement {
     turn: UnitQuaternion<f64>,
     /// Shift from the middle of the body, radii.
     shift: Vector3<f64>,
-    /// Bit k tells whether layer k + 1 lies over the one or the other kind of hollows of layer k
+    /// Bit k shows whether layer k + 1 lies over the one or the other kind of hollows of layer k
     /// (counted modulo 64). Every order of layers is equally dense.
     stacking: u64,
 }

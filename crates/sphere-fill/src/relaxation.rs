@@ -27,7 +27,7 @@ pub(crate) enum Wall<'a> {
     Grid(&'a DistanceGrid),
     /// Exact distance where a sphere may touch.
     Exact {
-        /// Tells which spheres may touch.
+        /// States which spheres may touch.
         grid: &'a DistanceGrid,
         /// Exact distance, m.
         distance: &'a SignedDistance,

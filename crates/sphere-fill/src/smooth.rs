@@ -19,7 +19,7 @@ const MOST: usize = 400;
 /// the shrinking ball `[Ma2012, section 3]`. Of those with at least the radius asked for, spheres
 /// are taken one after another, each time the one that lowers the sum of squared gaps between
 /// the surface and the spheres the most. The gain of a sphere can only fall as others are
-/// taken, so most gains need not be computed anew. It ends at the count, or at the roughness.
+/// taken, so most gains need not be computed again. It ends at the count, or at the roughness.
 ///
 /// The roughness falls steadily with the number of spheres, so the same seed can be made with
 /// any surface texture; take mass and inertia from the mesh ([`crate::InertiaSource::Mesh`]),

@@ -136,7 +136,7 @@ fn way_out(
     Some(Proposal::of(welded, edges, rims, shells, &tried))
 }
 
-/// Joins open edges, cuts crumbs away and closes holes, as far as that is allowed. Where the surface is made anew, only what is
+/// Joins open edges, cuts crumbs away and closes holes, as far as that is allowed. Where the surface is rebuilt, only what is
 /// asked for: lids on loose triangles would undo them, and each crumb encloses something.
 fn mend(welded: &mut Welded, repair: &Repair) -> (Edges, Changes) {
     let mut changes = Changes::default();

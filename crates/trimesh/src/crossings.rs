@@ -254,7 +254,7 @@ fn folded_share(vertices: &[Vector3<f64>], triangles: &[[usize; 3]]) -> f64 {
         if passed < next {
             continue;
         }
-        // A large triangle stands for several shares.
+        // A large triangle represents several shares.
         let shares = ((passed - next) / share).floor() + 1.0;
         next += shares * share;
         let middle = corners(triangle).iter().sum::<Vector3<f64>>() / 3.0;

@@ -88,7 +88,7 @@ impl CubeGrid {
     /// # Method
     ///
     /// Marching tetrahedra: of each tetrahedron with nodes on both sides, one or two triangles part them. Every edge has one corner
-    /// at most, so the surface is closed where no node at the rim of the grid is an inner one, and never meets itself.
+    /// at most, so the surface is closed if no node at the rim of the grid is an inner one, and never meets itself.
     pub fn boundary(
         &self,
         inside: &[bool],

@@ -1,4 +1,4 @@
-//! What can be wrong with a mesh or its file.
+//! Errors of a mesh or its file.
 
 use crate::Proposal;
 use crate::proposal::rounded_up;
@@ -82,9 +82,9 @@ pub enum Error {
         file: String,
         /// Line, from 1.
         line: usize,
-        /// What should stand there.
+        /// What should are present.
         expected: &'static str,
-        /// What stands there, shortened.
+        /// What is there, shortened.
         found: String,
     },
     /// The mesh has no triangle (left).
@@ -156,9 +156,9 @@ pub enum Error {
         /// Values.
         values: usize,
     },
-    /// Cubes on which a surface cannot be made anew.
+    /// Cubes on which a surface cannot be rebuilt.
     #[error(
-        "{file} cannot be made anew on cubes of {} mm: at least {} mm are handled, and from about {} mm on nothing is left of \
+        "{file} cannot be rebuilt on cubes of {} mm: at least {} mm are handled, and from about {} mm on nothing is left of \
          it (seedfill: --rebuild)",
         significant(*cell_mm, 4),
         rounded_up(*least_mm),

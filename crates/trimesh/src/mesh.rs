@@ -1,4 +1,4 @@
-//! The mesh itself: vertices, triangles and what is known of them.
+//! The mesh itself: vertices, triangles and the known data of them.
 
 use crate::{Error, Proposal, VolumeMoments};
 use geometry::triangle::area_vector;

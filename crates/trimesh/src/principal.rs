@@ -46,7 +46,7 @@ impl PrincipalAxes {
         })
     }
 
-    /// Whether another moment is as good as this one.
+    /// Whether another moment is nearly this one.
     fn is_tied(&self, k: usize) -> bool {
         let near = |other: usize| (self.moments[k] / self.moments[other] - 1.0).abs() < TIED;
         (0..3).any(|other| other != k && near(other))

@@ -1,4 +1,4 @@
-//! What to ask for so that a damaged mesh bounds a body, by what is wrong with it.
+//! What to ask for so that a damaged mesh bounds a body, by its fault.
 
 use crate::BoundingBox;
 use crate::crumbs::share_at_edges;
@@ -19,7 +19,7 @@ const ALONG_CRACK: f64 = 0.9;
 /// pi/8 = 0.39 of the square of the diagonal of its box.
 const SLIT: f64 = 0.05;
 
-/// Nodes of the grid on which a surface is proposed to be made anew: some seconds.
+/// Nodes of the grid on which a surface is proposed to be rebuilt: some seconds.
 const NODES: f64 = 3e5;
 
 /// What closes a mesh or parts it, with the least change.
@@ -32,7 +32,7 @@ pub enum Proposal {
     Join(f64),
     /// Close holes of this width with flat lids, m.
     CloseHoles(f64),
-    /// Make the surface anew on cubes of this edge length, m.
+    /// Make the surface again on cubes of this edge length, m.
     Rebuild(f64),
 }
 
@@ -77,7 +77,7 @@ impl Proposal {
         Self::CloseHoles(1.01 * widest)
     }
 
-    /// The surface made anew, as finely as some seconds allow.
+    /// The surface rebuilt, as finely as some seconds allow.
     pub(crate) fn rebuilt(bounds: &BoundingBox) -> Self {
         Self::Rebuild((bounds.size().product() / NODES).cbrt())
     }
@@ -105,7 +105,7 @@ impl std::fmt::Display for Proposal {
             ),
             Self::Rebuild(cell) => write!(
                 f,
-                "make the surface anew (seedfill: --rebuild {}mm), or repair it in the scanning software",
+                "make the surface again (seedfill: --rebuild {}mm), or repair it in the scanning software",
                 mm(cell)
             ),
         }
@@ -327,7 +327,7 @@ mod tests {
                 .collect()
         };
         let union = 360.0 - 3.0 * 4.3 * 3.6;
-        let join = "cross each other: make the surface anew (seedfill: --rebuild ";
+        let join = "cross each other: make the surface again (seedfill: --rebuild ";
         let keep = "keep the largest (seedfill: --largest-body)";
         let cases: [(Vec<Vec<_>>, [bool; 2], f64); 3] = [
             (vec![first(), at(6.0)], [true, false], union),

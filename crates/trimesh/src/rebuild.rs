@@ -18,7 +18,7 @@ const INSIDE: f64 = 0.5;
 /// Halvings of an edge: a corner lies within a hundredth of an edge of the surface.
 const HALVINGS: u32 = 6;
 
-/// Makes a mesh anew on cubes of an edge length `cell` (m): its surface parts points round which the mesh goes more than half
+/// Makes a mesh again on cubes of an edge length `cell` (m): its surface parts points round which the mesh goes more than half
 /// from all others.
 ///
 /// Crossings, folds, overlapping bodies, cracks and holes leave no trace but where a hole was, over which the surface goes smoothly;
@@ -188,7 +188,7 @@ mod tests {
             .collect()
     }
 
-    /// The mesh of loose triangles (mm), made anew on cubes of an edge length (mm) or as it is.
+    /// The mesh of loose triangles (mm), rebuilt on cubes of an edge length (mm) or as it is.
     fn read(soup: Soup, cell: Option<f64>) -> Result<CheckedMesh, Error> {
         let repair = Repair {
             rebuild: cell.map(|cell| cell * 1e-3),

@@ -22,7 +22,7 @@ pub struct Repair {
     /// Loose pieces, and triangles at edges of more than two, that together have at most this
     /// share of the area are cut away.
     pub crumbs: f64,
-    /// The surface is made anew on cubes of this edge length, m, round all points that it encloses more than half; none: it
+    /// The surface is rebuilt on cubes of this edge length, m, round all points that it encloses more than half; none: it
     /// stays as it is.
     pub rebuild: Option<f64>,
 }
@@ -51,7 +51,7 @@ pub struct Lid {
     pub middle: Vector3<f64>,
 }
 
-/// A surface that was made anew.
+/// A surface that was rebuilt.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rebuilt {
     /// Edge length of the cubes, m.
@@ -71,7 +71,7 @@ impl std::fmt::Display for Rebuilt {
         } = self;
         write!(
             f,
-            "made anew on cubes of {} mm: {open_edges} open edges and {crossings} crossings are gone, and with them details \
+            "rebuilt on cubes of {} mm: {open_edges} open edges and {crossings} crossings are gone, and with them details \
              finer than that",
             significant(cell * 1e3, 4)
         )
@@ -95,7 +95,7 @@ pub struct Changes {
     pub lid_share: f64,
     /// Triangles of the lids: the last ones of the mesh.
     pub lid_triangles: usize,
-    /// How the surface was made anew, if it was.
+    /// How the surface was rebuilt, if it was.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rebuilt: Option<Rebuilt>,
 }

@@ -72,7 +72,7 @@ pub enum Warning {
         /// Share of the area that the lids have.
         share: f64,
     },
-    /// The surface was made anew.
+    /// The surface was rebuilt.
     Rebuilt(Rebuilt),
     /// A body reaches the border of a stack of slices with so many voxels, and is cut off there.
     CutAtBorder(usize),

@@ -21,7 +21,7 @@ impl VoxelStack {
     /// # Method
     ///
     /// [`CubeGrid::boundary`] of the values; a corner lies where the value between two neighbours, taken as linear, passes the
-    /// threshold. Beyond the stack all is dark, so that a body that reaches its border is cut off there, which is told.
+    /// threshold. Beyond the stack all is dark, so that a body that reaches its border is cut off there, which is reported.
     ///
     /// # Errors
     ///

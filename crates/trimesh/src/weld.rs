@@ -11,7 +11,7 @@ const LAST: u32 = u32::MAX;
 /// Corners closer than this part of the mesh's diagonal are one vertex.
 ///
 /// The corners of one vertex are mostly equal to the last bit, wherever the mesh lies: each is
-/// the same point, rounded alike. Programs that compute them anew differ by about 6e-8 of the
+/// the same point, rounded alike. Programs that compute them again differ by about 6e-8 of the
 /// size; a scan's shortest edges are about 1e-3 of the diagonal. 1e-6 lies between; doubling it
 /// changes nothing for either.
 const RELATIVE_TOLERANCE: f64 = 1e-6;

@@ -63,7 +63,7 @@ impl<'a> Words<'a> {
         (!word.is_empty()).then_some(word)
     }
 
-    /// Drops what is left of the line; false at the end of the file.
+    /// Drops the remainder of the line; false at the end of the file.
     pub(crate) fn next_line(&mut self) -> bool {
         let Some(end) = self.rest.iter().position(|&byte| is_end(byte)) else {
             self.rest = &[];

@@ -54,7 +54,7 @@ fn n_different(a: &World, b: &World) -> f64 {
     a.iter().zip(&b).filter(|(a, b)| a != b).count() as f64
 }
 
-/// Runs twice, and goes on from a stop.
+/// Runs twice, and continues from a stop.
 pub(crate) fn same_bits() -> Result<Vec<Row>, CheckError> {
     let basis = Basis {
         check: "determinism",

@@ -53,7 +53,7 @@ pub enum Error {
     },
 }
 
-/// What can go wrong inside a check.
+/// Errors inside a check.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckError {

@@ -45,7 +45,7 @@ pub fn suite() -> Vec<Check> {
     ]
 }
 
-/// Does the checks whose names are given, or all where none is; `progress` hears each name.
+/// Does the checks whose names are given, or all if none is; `progress` hears each name.
 ///
 /// # Errors
 ///

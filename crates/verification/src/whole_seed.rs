@@ -10,7 +10,7 @@
 //!
 //! With the overlap to the power 5/4 in its own time the contact is a linear oscillator, `y'' + 2 z y' + y = 0`
 //! `[AntypovElliott2011]`; its force vanishes at `t = (pi - atan2(2 z q, 1 - 2 z²))/q`, `q = sqrt(1 - z²)` `[SchwagerPoschel2007]`. If a
-//! share p of the pull is kept, the oscillator goes on from there with `y'' + p (2 z y' + y) = 0` until y = 0. With an amplitude
+//! share p of the pull is kept, the oscillator continues from there with `y'' + p (2 z y' + y) = 0` until y = 0. With an amplitude
 //! a of the damping of the whole body `z = b ((1 - a) sqrt(m_sphere) + a sqrt(M)) / sqrt(M)` and p = a: at a = 1 the restitution put in
 //! comes out.
 

@@ -59,7 +59,7 @@ fn states<const N: usize>(
 }
 
 /// The viscous forces along the normal and the surface, their torque and the contact within are those of LIGGGHTS. It takes
-/// the radius as the arm where there is a gap, here it reaches to the middle of the gap, up to 0.45 mm farther:
+/// the radius as the arm if there is a gap, here it reaches to the middle of the gap, up to 0.45 mm farther:
 /// that is what the tolerances are for, 1 % of the first velocity and 8 % of the last spin. Without liquid the
 /// velocities are off by more than ten times as much.
 #[test]

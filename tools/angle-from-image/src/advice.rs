@@ -1,4 +1,4 @@
-//! How to go on with a picture that was refused.
+//! How to continue with a picture that was refused.
 
 use photo_profile::{DrumPixels, PhotoReading, Refusal};
 
@@ -105,7 +105,7 @@ fn by_circle(which: &str, circle: DrumPixels, more: &str) -> Advice {
     let flag = format!("--drum {cx:.1},{cy:.1},{r:.1}");
     Advice {
         words: format!(
-            "if {which} of the overlay is the drum, go on with {flag}, else state the drum: {DRUM}{more}"
+            "if {which} of the overlay is the drum, continue with {flag}, else state the drum: {DRUM}{more}"
         ),
         flag: Some(flag),
     }

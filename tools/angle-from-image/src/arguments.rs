@@ -107,7 +107,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     pub(crate) points: bool,
 
-    /// Pictures a second, where they follow each other at one rate: each then has a time, and the angle also tells how
+    /// Pictures a second, where they follow each other at one rate: each then has a time, and the angle also shows how
     /// long it is correlated with itself, or its avalanches [default: none; of one film, as it states]
     #[arg(long, value_name = "RATE", value_parser = rate)]
     pub(crate) fps: Option<f64>,

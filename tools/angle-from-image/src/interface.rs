@@ -104,7 +104,7 @@ mod tests {
 
     /// A drawn surface y = h / cos(a) + x tan(a), whose pictures are turned by 0.1 rad: its heights along the true horizontal, to half
     /// a pixel in 180 (0.003), near the rim, where the reading smooths over it, to two (0.01). Two such of other fill: their mean, and their difference over the root of two as the standard deviation, at each
-    /// place alike. One alone tells nothing.
+    /// place alike. One alone gives no information.
     #[test]
     fn mean_and_fluctuation_are_those_of_the_surfaces() {
         let (slope, roll) = (0.5_f64, 0.1);

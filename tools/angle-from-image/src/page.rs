@@ -22,7 +22,7 @@ const QUALITY: u8 = 85;
 /// Standard errors in half of the 95 % interval.
 const HALF_INTERVAL: f64 = 1.96;
 
-/// What can be told by pointing at it, and how it is stated; last, what holds for a picture that is not straightened.
+/// What can be given by pointing at it, and how it is stated; last, what holds for a picture that is not straightened.
 const TOOLS: [PointingTool<'static>; 6] = [
     PointingTool {
         what: "the drum: three or more places on its rim",
@@ -142,12 +142,12 @@ impl Shown<'_> {
         self.image.name()
     }
 
-    /// A refused or unread picture: first how to go on, then why.
+    /// A refused or unread picture: first how to continue, then why.
     fn without_angle(&self, page: &mut Report) -> anyhow::Result<()> {
         let image = self.image;
         page.subsection(&format!("{}. {}", self.number, self.name()));
         if let Some(words) = &image.advice {
-            page.verdict(Tone::Note, "How to go on", &sentence(words));
+            page.verdict(Tone::Note, "How to continue", &sentence(words));
         }
         if let Some(flag) = &image.advice_flag {
             page.verbatim(flag);
@@ -178,7 +178,7 @@ impl Shown<'_> {
         Ok(())
     }
 
-    /// The picture to be pointed at. What straightens a picture is told by the one that was taken.
+    /// The picture to be pointed at. What straightens a picture is reported by the one that was taken.
     fn picture<'a>(&self, bytes: &'a [u8], description: &'a str) -> PointingPicture<'a> {
         let tools = if self.image.rectified {
             &TOOLS[..TOOLS.len() - 1]
@@ -226,10 +226,10 @@ fn summary(
             Tone::Good,
             "Look at the pictures before you believe a number.",
         ),
-        (0, _) => (Tone::Bad, "Each picture below says first how to go on."),
+        (0, _) => (Tone::Bad, "Each picture below says first how to continue."),
         _ => (
             Tone::Caution,
-            "Each picture without an angle says first how to go on.",
+            "Each picture without an angle says first how to continue.",
         ),
     };
     page.verdict(verdict, &sentence(&told.join(", ")), reason);

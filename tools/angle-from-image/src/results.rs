@@ -31,9 +31,9 @@ pub(crate) struct ImageResult {
     pub(crate) verdict: &'static str,
     /// Why it was refused or not read.
     pub(crate) reason: Option<String>,
-    /// How to go on with a refused picture.
+    /// How to continue with a refused picture.
     pub(crate) advice: Option<String>,
-    /// The flag to go on with, where one is known.
+    /// The flag to continue with, where one is known.
     pub(crate) advice_flag: Option<String>,
     /// Whether the surface was stated by the caller; left out where it was found in the picture.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
@@ -41,7 +41,7 @@ pub(crate) struct ImageResult {
     /// Degrees of freedom of the scatter behind `angle_se_deg` if the surface was stated: the number of its places less four.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) degrees_of_freedom: Option<usize>,
-    /// What speaks for a picture that lies on its side; left out if nothing does.
+    /// What supports a picture that lies on its side; left out if nothing does.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) warning: Option<String>,
     /// Which slope `angle_deg` is.
@@ -173,13 +173,13 @@ pub(crate) struct HeapResult {
     pub(crate) elevation_seen_deg: Option<f64>,
 }
 
-/// How much flatter than the line the toe of a bed is told in words, degrees: grains of a tenth of the radius make less.
+/// How much flatter than the line the toe of a bed is reported in words, degrees: grains of a tenth of the radius make less.
 const FLAT_TOE_DEG: f64 = 15.0;
 
 /// Two elevations that differ by no more than rounding are the same, degrees.
 const SAME_DEG: f64 = 1e-9;
 
-/// Difference of the halves of a flank that is told in words, degrees; a fifth of it for the base.
+/// Difference of the halves of a flank that is reported in words, degrees; a fifth of it for the base.
 const WORTH_TELLING_DEG: f64 = 5.0;
 
 impl HeapResult {
@@ -373,7 +373,7 @@ impl ImageResult {
     pub(crate) fn text(&self) -> String {
         let name = self.name();
         let by = self.channel.as_deref().filter(|channel| *channel != "luma");
-        let by = by.map_or(String::new(), |channel| format!(", bed told by {channel}"));
+        let by = by.map_or(String::new(), |channel| format!(", bed given by {channel}"));
         match (self.angle_deg, self.angle_se_deg, self.high_side) {
             (Some(angle), Some(error), Some(side)) => {
                 let flat = |toe: &f64| self.line_deg.is_some_and(|l| l - toe > FLAT_TOE_DEG);

@@ -37,7 +37,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
 #[derive(Default)]
 struct Measured {
     images: Vec<ImageResult>,
-    /// The pictures of the page; none for a file that could not be read, and where no page is asked for.
+    /// The pictures of the page; none for a file that could not be read, and if no page is asked for.
     shown: Vec<Option<Vec<u8>>>,
     /// How each picture that was read was taken, and the place of its result.
     postures: Vec<(usize, Posture)>,

@@ -49,7 +49,7 @@ impl Contacts {
     pub(crate) fn check_for_peers(&self, scene: &str) -> anyhow::Result<()> {
         anyhow::ensure!(
             self.end == NormalForceEnd::Clipped,
-            "{scene}: model.normal_force_end is not \"clipped\", but LIGGGHTS and LAMMPS are told to clip: \
+            "{scene}: model.normal_force_end is not \"clipped\", but LIGGGHTS and LAMMPS are asked to clip: \
              set it so beside the peers"
         );
         Ok(())

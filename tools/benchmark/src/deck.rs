@@ -262,8 +262,8 @@ mod tests {
         }
     }
 
-    /// The peers go on with a flow: no step passes before the shell turns, at its 10 rpm = 1.0472 rad/s, and no seed rains
-    /// in. Each takes the step of the plan, and tells the energy of the bodies, not that of their spheres.
+    /// The peers continue with a flow: no step passes before the shell turns, at its 10 rpm = 1.0472 rad/s, and no seed rains
+    /// in. Each takes the step of the plan, and gives the energy of the bodies, not that of their spheres.
     #[test]
     fn decks_of_seeds_go_on_from_the_flow() {
         let file = fixture("cotton/drum.toml");

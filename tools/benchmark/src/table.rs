@@ -25,7 +25,7 @@ pub(crate) fn of_scenes(rows: &[Row]) -> String {
     })
 }
 
-/// Table of the phases of a step, below that of this solver; empty where none were counted.
+/// Table of the phases of a step, below that of this solver; empty if none were counted.
 pub(crate) fn of_phases(rows: &[Row]) -> String {
     if rows.iter().all(|row| row.phases.is_none()) {
         return String::new();

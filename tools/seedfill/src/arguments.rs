@@ -71,7 +71,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub(crate) join: Option<String>,
 
-    /// Make the surface anew on cubes of this edge length, round all that it encloses more than half: for scans that cross
+    /// Make the surface again on cubes of this edge length, round all that it encloses more than half: for scans that cross
     /// themselves, noise, cracks and wide holes; details finer than that are lost
     #[arg(long, value_name = "LENGTH")]
     pub(crate) rebuild: Option<String>,

@@ -198,7 +198,7 @@ mod tests {
     use nalgebra::Vector3;
     use sphere_fill::Connectivity;
 
-    /// What is said of two balls of 1 mm, some mm apart, after a command line.
+    /// Message about two balls of 1 mm, some mm apart, after a command line.
     fn said(gap: f64, words: &str) -> String {
         let words = format!("seedfill mesh.stl {words}");
         let arguments = Arguments::try_parse_from(words.split(' ')).unwrap();

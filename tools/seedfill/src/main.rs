@@ -35,7 +35,7 @@ fn main() -> ExitCode {
     command_line::finish(run(&arguments))
 }
 
-/// Fills one mesh, or tells the shapes of several.
+/// Fills one mesh, or gives the shapes of several.
 fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     match (&arguments.shapes, arguments.mesh.as_slice()) {
         (Some(file), _) => shapes::run(arguments, file),

@@ -20,7 +20,7 @@ struct Shapes {
     meshes: Vec<Row>,
 }
 
-/// What is known of one mesh.
+/// Known data of one mesh.
 #[derive(Debug, Default, Serialize)]
 struct Row {
     mesh: String,

@@ -128,7 +128,7 @@ fn tiff_slices(bytes: &[u8]) -> anyhow::Result<Vec<Slice>> {
         let values = match decoder.read_image()? {
             DecodingResult::U8(grey) => grey.into_iter().map(u16::from).collect(),
             DecodingResult::U16(grey) => grey,
-            _ => bail!("its values are no whole numbers of 8 or 16 bits: convert it"),
+            _ => bail!("its values are not whole numbers of 8 or 16 bits: convert it"),
         };
         ensure!(
             values.len() == size[0] * size[1],

@@ -107,7 +107,7 @@ pub(crate) struct Refusal {
     pub(crate) mesh_warnings: Vec<Warning>,
 }
 
-/// Share of the volume below which a filling with equal spheres is told to be sparse, chosen by us: half of that of a dense
+/// Share of the volume below which a filling with equal spheres is reported to be sparse, chosen by us: half of that of a dense
 /// random packing, 0.64.
 const SPARSE: f64 = 0.32;
 
@@ -203,7 +203,7 @@ impl Summary {
         }
     }
 
-    /// With what is known of the surface of the spheres.
+    /// With the known data of the surface of the spheres.
     pub(crate) fn with(self, union_surface: Option<UnionFile>) -> Self {
         Self {
             union_surface,

@@ -8,7 +8,7 @@ use serde::Serialize;
 use sphere_fill::{Filling, union_surface};
 use trimesh::{CheckedMesh, parse_mesh};
 
-/// Cells in the radius of the smallest sphere where no cell is given: the volume is then within 1 % of the
+/// Cells in the radius of the smallest sphere if no cell is given: the volume is then within 1 % of the
 /// union's (single balls lack up to 0.8 %, cells that bridge touching ones add), and 132 equal spheres take
 /// 25 MB. Our choice.
 const CELLS: f64 = 6.0;

@@ -18,7 +18,7 @@ const SELDOM: f64 = 1.6;
 /// Halvings of the interval in which the deepest overlap lies: its error is 1e-12 of it.
 const HALVINGS: u32 = 40;
 
-/// Duration of the hardest contact of a body with another, or with a flat wall where there is none, s.
+/// Duration of the hardest contact of a body with another, or with a flat wall if there is none, s.
 ///
 /// The bodies have the spheres at their surfaces.
 ///

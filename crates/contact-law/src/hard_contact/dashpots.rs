@@ -25,7 +25,7 @@ pub struct BodyDashpots {
 ///
 /// # Source
 ///
-/// The criterion of Jury for a polynomial of second degree; the same limit stands for central differences with lagged
+/// The criterion of Jury for a polynomial of second degree; the same limit represents central differences with lagged
 /// velocities in `[Belytschko2014, chapter 6]`.
 pub fn stable_share(damping_ratio: f64) -> f64 {
     damping_ratio.hypot(1.0) - damping_ratio
@@ -57,7 +57,7 @@ impl BodyDashpots {
 }
 
 impl Impact {
-    /// What is left of the duration of a contact for the choice of the time step: all where no dashpot knows more than the mass of its
+    /// Remainder of the duration of a contact for the choice of the time step: all if no dashpot knows more than the mass of its
     /// sphere. Arguments as in [`BodyDashpots::damping_ratio`].
     pub(super) fn left_by_dashpots(
         &self,

@@ -15,7 +15,7 @@ use crate::workspace::Workspace;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 
-/// Pairs looked at together: what is known of them stays in the cache between the passes.
+/// Pairs looked at together: the known data of them stays in the cache between the passes.
 const BLOCK: usize = 1024;
 
 /// Finds the forces between the bodies of a range and those before them.

@@ -1,7 +1,7 @@
 //! Pairs of bodies of one sphere each, in worlds that have no other bodies.
 //!
 //! A pair has one possible contact, and how its bodies are turned does not matter. So there are no
-//! lists of candidates: all that is known of a pair stands in columns beside each other, with what its
+//! lists of candidates: all that is known of a pair is in columns beside each other, with what its
 //! contact remembers, and a step goes through them from front to back.
 
 #![expect(
@@ -44,7 +44,7 @@ impl Ends {
 
 /// The pairs of a range of bodies with all bodies before them, in the order of the later body, then of the other.
 ///
-/// All columns that are read in groups go on for one group behind the last pair.
+/// All columns that are read in groups continue for one group behind the last pair.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct SpherePairs {
     /// The first body of the range.
@@ -56,9 +56,9 @@ pub(crate) struct SpherePairs {
     /// Sum of the travels of both bodies above which the pair is awake, m: [`TOUCHES`] for a pair that
     /// touches, else where it could.
     pub(crate) wake: Vec<f32>,
-    /// Tangential displacement of the contact, m; 0 where there is none.
+    /// Tangential displacement of the contact, m; 0 if there is none.
     pub(crate) slip: Vec<Row>,
-    /// Torque of the rolling spring of the contact, N m; 0 where there is none. Empty in a world without
+    /// Torque of the rolling spring of the contact, N m; 0 if there is none. Empty in a world without
     /// rolling springs.
     pub(crate) rolling: Vec<Vector3<f64>>,
     /// Whether there are rolling springs.
@@ -99,7 +99,7 @@ impl SpherePairs {
         self.rolling.clear();
     }
 
-    /// Adds the partners of body `j`, in rising order, keeping what is known of old pairs.
+    /// Adds the partners of body `j`, in rising order, keeping the known data of old pairs.
     ///
     /// `template` is the body type of each body, `travel` the travel up to now (m); the caller sets it to
     /// 0 afterwards, so what the pairs that stay have used up of it is taken off.

@@ -10,7 +10,7 @@ use crate::template::OuterSphere;
 use crate::transpose::{Row, row};
 use nalgebra::Vector3;
 
-/// All of a sphere that a contact needs, in two lines of the cache; a copy of what stands in the bodies.
+/// All of a sphere that a contact needs, in two lines of the cache; a copy of what is in the bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(32))]
 pub(crate) struct Sphere {

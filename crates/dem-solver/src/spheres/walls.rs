@@ -37,7 +37,7 @@ pub(crate) struct SphereWalls {
     interaction: Vec<u32>,
     /// Travel of the body above which the entry is awake, m: [`TOUCHES`] where it touches.
     wake: Vec<f32>,
-    /// Tangential displacement of the contact, m; 0 where there is none.
+    /// Tangential displacement of the contact, m; 0 if there is none.
     slip: Vec<Vector3<f64>>,
     /// Torque of the rolling spring of the contact, N m; empty in a world without rolling springs.
     rolling: Vec<Vector3<f64>>,

@@ -32,7 +32,7 @@ const SPEED_UP: f64 = 4.0;
 /// Acceleration that even a body at rest may have during a sweep beside that, over gravity or 1 m/s²: our choice.
 const MOST_ACCELERATION: f64 = 10.0;
 
-/// Largest share of the motion that lists cover which a sweep may keep in reserve: our choice. They are made anew so much
+/// Largest share of the motion that lists cover which a sweep may keep in reserve: our choice. They are rebuilt so much
 /// earlier, a third more often at worst, and making them takes a hundredth of the time.
 const MOST_RESERVE: f64 = 0.25;
 
@@ -87,7 +87,7 @@ impl World {
             && !self.interactions.iter().any(Interaction::is_wet)
     }
 
-    /// Makes the lists anew unless they hold for so many steps; false if bodies are too fast for that to pay.
+    /// Makes the lists again unless they hold for so many steps; false if bodies are too fast for that to pay.
     fn lists_hold(&mut self, n: usize) -> Result<bool, Error> {
         let half = 0.5 * self.settings.margin;
         let way = self.longest_way(n);
@@ -135,7 +135,7 @@ impl World {
         self.wall_torque.fill(0.0);
         // Each turn does one of two things for one part and one step: it moves the bodies, or finds their contacts.
         while moved[n - 1] < parts.len() {
-            // The latest step that can go on: its data are in the cache.
+            // The latest step that can continue: its data are in the cache.
             for step in (0..n).rev() {
                 let k = moved[step];
                 // All parts whose contacts act on these bodies have added their loads.

@@ -266,7 +266,7 @@ fn a_bridge_at_triangles_has_the_liquid_that_the_ball_gives() {
     );
 }
 
-/// A heap in which balls have more than six bridges goes on from a snapshot with the same bits: what each gives follows from
+/// A heap in which balls have more than six bridges continues from a snapshot with the same bits: what each gives follows from
 /// the contacts, which the snapshot holds.
 #[test]
 fn a_heap_of_wet_balls_goes_on_from_a_snapshot() {

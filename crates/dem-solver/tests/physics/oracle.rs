@@ -3,7 +3,7 @@
 //! Before each step the plain loop computes the loads from the state of the world; the step then
 //! uses its own. Both sum the same contacts, the fast one in another order, so that only rounding
 //! may separate them; a contact that a list misses, or a slip that is lost or mixed up when a
-//! list is made anew, separates them by the size of a contact force.
+//! list is rebuilt, separates them by the size of a contact force.
 
 use crate::scene::{
     ball, box_of_planes, cluster, every_law, interaction, rough, run, scattered, seed_and_block,
@@ -183,7 +183,7 @@ fn loads_are_those_of_the_plain_loop_in_a_drum() {
     let census = world.census();
     assert!(
         census.rebuilds > 1000,
-        "the lists were hardly made anew: {census:?}"
+        "the lists were hardly rebuilt: {census:?}"
     );
 }
 
@@ -262,7 +262,7 @@ fn loads_are_those_of_the_plain_loop_for_plain_spheres() {
 
 /// A paddle of triangles that throws the bed, dry and with bridges, which pass from one triangle to the next: it
 /// turns, then goes and trembles as well, and stands while the bed falls on it. The lists count the ways of body and wall;
-/// searches are rare, so that lists must be made anew between them.
+/// searches are rare, so that lists must be rebuilt between them.
 #[test]
 fn loads_are_those_of_the_plain_loop_at_a_moving_mesh() {
     let starts = fallen(1.0, drum(1.0));

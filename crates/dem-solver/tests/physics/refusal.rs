@@ -327,7 +327,7 @@ fn body_that_flies_away_does_not_stop_the_others() {
     parts.starts.push(away);
     let mut world = build(parts).expect("the start is possible");
     for _ in 0..20_000 {
-        world.step().expect("the others go on");
+        world.step().expect("the others continue");
     }
     let height = world.bodies().position[0].y;
     assert!(

@@ -154,7 +154,7 @@ fn with_all_laws(filling: Filling) -> World {
 }
 
 /// A snapshot, taken on the way and given to a world that has not moved, has the same future: with every law on,
-/// and a wall of triangles on its way. Lists are made anew there, on other threads.
+/// and a wall of triangles on its way. Lists are rebuilt there, on other threads.
 #[test]
 fn a_world_goes_on_from_a_snapshot_with_the_same_bits() {
     for filling in FILLINGS {
@@ -226,7 +226,7 @@ fn the_order_of_the_bodies_changes_rounding_alone() {
     }
 }
 
-/// A world whose bodies were sorted on the way goes on from a snapshot in one that was built like it and put into the same
+/// A world whose bodies were sorted on the way continues from a snapshot in one that was built like it and put into the same
 /// order.
 #[test]
 fn a_sorted_world_goes_on_from_a_snapshot_with_the_same_bits() {

@@ -28,7 +28,7 @@ pub(crate) fn taken(
     GrayImage::from_raw(side(width), side(height), noisy).unwrap_or_default()
 }
 
-/// A picture under a Gaussian of a standard deviation (px), along rows and then along columns; beyond its border it goes on as
+/// A picture under a Gaussian of a standard deviation (px), along rows and then along columns; beyond its border it continues as
 /// at the border.
 fn blurred(gray: &[f32], width: usize, sd: f64) -> Vec<f64> {
     #[expect(

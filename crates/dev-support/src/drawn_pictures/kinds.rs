@@ -78,7 +78,7 @@ impl Kind {
     }
 }
 
-/// Draws the inside of the drum anew: bed where the function of (x, y) in drum radii, y up, says.
+/// Draws the inside of the drum again: bed where the function of (x, y) in drum radii, y up, says.
 fn redrawn(drawn: &GrayImage, scene: &Scene, is_bed: impl Fn(f64, f64) -> bool) -> GrayImage {
     let [cx, cy] = scene.centre();
     let mut picture = drawn.clone();

@@ -94,7 +94,7 @@ fn a_picture_with_good_luminance_is_read_by_it() {
     assert_eq!(reading.angle().unwrap(), grey.angle().unwrap());
 }
 
-/// Five channels are five chances to find something where nothing is.
+/// Five channels are five chances to find something if nothing is.
 #[test]
 fn hopeless_pictures_stay_refused_in_colour() {
     for kind in kinds().iter().filter(|k| k.class == Class::Hopeless) {

@@ -121,7 +121,7 @@ fn what_is_no_picture_is_an_error() {
     std::fs::write(&path, "this is text").unwrap();
     assert!(
         matches!(read_photo(&path), Err(Error::Decode { .. })),
-        "text is no picture"
+        "text is not a picture"
     );
     assert!(
         matches!(read_photo(&path.join("none")), Err(Error::Read { .. })),

@@ -305,7 +305,7 @@ fn a_heap_whose_flanks_differ_is_refused_by_the_largest_error() {
     assert!((read_flanks(&picture).mean.to_degrees() - 40.1).abs() < 0.2);
 }
 
-/// The foot spreads over the lower half at half the slope: the flank is told to be bent, 32.1 degrees at the top and 17.4 at
+/// The foot spreads over the lower half at half the slope: the flank is reported to be bent, 32.1 degrees at the top and 17.4 at
 /// the toe, and dust in the air is not a part of it.
 #[test]
 fn a_spread_foot_is_read_and_told() {

@@ -12,7 +12,7 @@ fn folder() -> PathBuf {
     fixture("photos")
 }
 
-/// One row of `readings.csv`, degrees and px; `None` where no reading by hand exists.
+/// One row of `readings.csv`, degrees and px; `None` if no reading by hand exists.
 struct HandReading {
     file: String,
     chord: Option<[f64; 2]>,
@@ -77,7 +77,7 @@ fn chord_and_middle_agree_with_the_readings_by_hand() {
     assert_eq!(n_read, 6, "six pictures have readings by hand");
 }
 
-/// The inverted picture is the 45 rpm one with bright powder, saved anew: 0.1 degrees.
+/// The inverted picture is the 45 rpm one with bright powder, saved again: 0.1 degrees.
 #[test]
 fn polarity_does_not_change_the_angle() {
     let line = |file: &str| {

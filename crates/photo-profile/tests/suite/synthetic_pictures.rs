@@ -233,8 +233,8 @@ fn a_refused_coarse_bed_still_tells_its_line() {
     assert_eq!(error, angle.standard_error.to_degrees());
 }
 
-/// A picture and its mirror: 0.01 degrees is what users are promised; also at odd sizes, where
-/// nothing falls on the same pixels.
+/// A picture and its mirror: 0.01 degrees is what users are promised; also at odd sizes, at which
+/// no point falls on the same pixels.
 #[test]
 fn a_mirrored_picture_has_the_same_angle_and_the_other_side() {
     for scene in [

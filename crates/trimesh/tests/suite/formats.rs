@@ -257,7 +257,7 @@ fn crumbs_on_shared_edges_are_cut_away_below_their_share() {
     assert!(with(3.0).mesh.require_closed().is_err());
 }
 
-/// Points of a scanner as PLY, OBJ and plain numbers: told as what they are, with the way out.
+/// Points of a scanner as PLY, OBJ and plain numbers: reported as what they are, with the remedy.
 #[test]
 fn point_clouds_are_told_as_such() {
     let points = CORNERS.map(|[x, y, z]| format!("{x} {y} {z}\n")).concat();

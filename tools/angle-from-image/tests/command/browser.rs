@@ -117,7 +117,7 @@ fn pointing_at_places_gives_the_flags() {
             let (name, value) = told.split_once(' ').unwrap();
             assert_eq!(name, flag, "{told}");
             let shown = super::browser::told(&dom, "shown");
-            assert!(!shown.contains('{'), "data are no text: {shown}");
+            assert!(!shown.contains('{'), "data are not text: {shown}");
             let value = value.trim_matches('\'');
             let numbers = value.split([',', ';']).map(|n| n.parse().unwrap());
             let numbers: Vec<f64> = numbers.collect();

@@ -91,8 +91,8 @@ fn the_pictures_of_a_film_come_in_order_with_their_times() {
     }
 }
 
-/// Where a film breaks off, its pictures are kept and the break is told, with exit code 1: by a program that fails, by one that
-/// complains and goes on, and by a picture that is cut.
+/// Where a film breaks off, its pictures are kept and the break is reported, with exit code 1: by a program that fails, by one that
+/// complains and continues, and by a picture that is cut.
 #[test]
 fn a_film_that_breaks_off_keeps_its_beginning() {
     let three = SLOPES.map(drum)[..3].to_vec();

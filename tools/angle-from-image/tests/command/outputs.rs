@@ -142,7 +142,7 @@ fn a_table_has_a_row_for_every_picture() {
 
 /// A page of a measured, a refused and an unread file, whose names are markup: everything is in the page, nothing is markup
 /// but the page's own, each picture that was read shows the blue circle that was found (2 px round the drum, blurred by
-/// JPEG), and a refused one says how to go on before it says why.
+/// JPEG), and a refused one says how to continue before it says why.
 #[test]
 fn a_page_shows_every_picture_and_how_to_go_on() {
     use base64::Engine as _;
@@ -172,7 +172,7 @@ fn a_page_shows_every_picture_and_how_to_go_on() {
             .unwrap_or_else(|| panic!("{words} is missing"))
     };
     assert!(
-        place("How to go on") < place("<pre>--drum ")
+        place("How to continue") < place("<pre>--drum ")
             && place("<pre>--drum ") < place("Refused: no drum")
     );
     assert!(place("Not read: cannot decode") < place("</span> Measured pictures"));

@@ -1,4 +1,4 @@
-//! What a photo gives, and how to go on without an angle.
+//! What a photo gives, and how to continue without an angle.
 
 use super::{GOOD, REFUSED, folder, photo, run, text};
 use dev_support::drawn_pictures::save;

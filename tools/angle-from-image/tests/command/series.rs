@@ -35,7 +35,7 @@ fn a_folder_is_measured_as_a_series() {
 }
 
 /// One cut and one foreign file among two good ones: both are named with their reason, nothing is
-/// lost, and the exit code says that not all was measured. Where nothing could be read it is 2.
+/// lost, and the exit code says that not all was measured. If nothing could be read it is 2.
 #[test]
 fn a_bad_file_in_a_folder_does_not_cost_the_others() {
     let frames = folder("mixed");
@@ -84,7 +84,7 @@ fn a_bad_file_in_a_folder_does_not_cost_the_others() {
 }
 
 /// Eight pictures that rise by 1 degree each and fall back, five times: at 20 pictures a second avalanches of 7 degrees that
-/// come every 0.4 s; the reading of a drawn picture of this size is good to 0.2 degrees. Without the rate nothing is told of
+/// come every 0.4 s; the reading of a drawn picture of this size is good to 0.2 degrees. Without the rate nothing is reported of
 /// time.
 #[test]
 fn pictures_at_a_rate_tell_avalanches() {

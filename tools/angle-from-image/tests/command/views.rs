@@ -126,7 +126,7 @@ fn what_a_mask_hides_does_not_count() {
 }
 
 /// A camera turned by 3 degrees shows a surface of 35 degrees at 38; a plumb line (200 px down, 10.481 px aside) or a level
-/// (200 px across, 10.481 px up) tells the turn: atan(10.481 / 200) = 3.000 degrees.
+/// (200 px across, 10.481 px up) gives the turn: atan(10.481 / 200) = 3.000 degrees.
 #[test]
 fn a_plumb_line_or_a_level_tells_the_horizontal() {
     let path = folder("plumb").join("turned.png");
@@ -159,7 +159,7 @@ fn a_plumb_line_or_a_level_tells_the_horizontal() {
 }
 
 /// Seven of the points that the program finds, stated in any order, give its angle: 0.3 degrees are the noise of single points,
-/// some 0.3 px of a drum of 130 px. The result says that the surface was stated. What cannot be is told.
+/// some 0.3 px of a drum of 130 px. The result says that the surface was stated. What cannot be is reported.
 #[test]
 fn a_surface_that_is_stated_has_the_angle_of_its_places() {
     let folder = folder("surface");

@@ -27,7 +27,7 @@ fn measured(folder: &Path, spheres: &[[f64; 4]], more: &[&str]) -> Output {
 }
 
 /// Three overlapping spheres and one that is 0.3 mm away, counted by hand: equal spheres of 1 mm at 1.2
-/// and 1.6 mm have necks of 0.8 and 0.6 mm. The gap that is told, used as it is told, joins them.
+/// and 1.6 mm have necks of 0.8 and 0.6 mm. The gap that is reported, used as it is reported, joins them.
 #[test]
 fn a_loose_piece_is_told_with_the_gap_that_joins_it() {
     let folder = tempfile::tempdir().unwrap();
@@ -144,7 +144,7 @@ fn the_bonds_are_those_of_the_solver() {
     assert_eq!(json["connections"]["contacts"], pairs.len());
     // Rounding when the clump is turned to its axes is below 1e-12 of the gap.
     let joining = json["connections"]["joining_gap"].as_f64().unwrap() * 1e-3;
-    assert!(joining > 1e-5, "the case is no case: {joining}");
+    assert!(joining > 1e-5, "the case is not a case: {joining}");
     assert!(agglomerate(joining * (1.0 + 1e-9)).is_ok());
     assert!(agglomerate(joining * (1.0 - 1e-9)).is_err());
 }

@@ -174,7 +174,7 @@ fn every_format_has_a_line_with_the_size_of_each_sphere() {
     }
 }
 
-/// A surface that is made anew is told with the length of its cubes, in text and JSON, and fills as before; lengths that are none end
+/// A surface that is rebuilt is reported with the length of its cubes, in text and JSON, and fills as before; lengths that are none end
 /// before any work.
 #[test]
 fn a_surface_is_made_anew_on_request() {
@@ -194,13 +194,13 @@ fn a_surface_is_made_anew_on_request() {
     let output = run("0.2mm");
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     assert!(
-        text(&output.stderr).contains("made anew on cubes of 0.2000 mm"),
+        text(&output.stderr).contains("rebuilt on cubes of 0.2000 mm"),
         "{}",
         text(&output.stderr)
     );
     let json = json_of(&output);
     let told = json["mesh"]["warnings"][0].as_str().unwrap();
-    assert!(told.contains("made anew"), "{told}");
+    assert!(told.contains("rebuilt"), "{told}");
     for cell in ["0", "-1mm", "1nm", "500mm", "x"] {
         let output = run(cell);
         assert_eq!(output.status.code(), Some(2), "{cell}");
@@ -465,7 +465,7 @@ fn usage_that_cannot_be_meant_ends_with_code_2() {
 }
 
 /// A cap is missing, as where a scan stood on a table: refused with the width of the hole, filled when
-/// holes of that width may be closed, and the change is told in JSON and on the page.
+/// holes of that width may be closed, and the change is reported in JSON and on the page.
 #[test]
 fn a_hole_is_closed_when_it_is_asked_for_and_told() {
     let folder = tempfile::tempdir().unwrap();

@@ -72,7 +72,7 @@ fn run(folder: &Path, program: &str, words: &[&str]) -> String {
     told
 }
 
-/// What stands behind a word in a text, up to the end of the line.
+/// What follows a word in a text, up to the end of the line.
 fn after<'a>(told: &'a str, word: &str) -> &'a str {
     let line = told.lines().find_map(|line| line.strip_prefix(word));
     line.unwrap_or_else(|| unreachable!("no {word} in {told}"))

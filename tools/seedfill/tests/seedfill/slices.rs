@@ -100,7 +100,7 @@ fn a_stack_of_slices_is_filled_as_its_body() {
     assert!(found(&smaller) < 0.95 * exact, "{}", found(&smaller));
 }
 
-/// Each ends with code 2 and says what is wrong: a folder without the size of a voxel, one without slices, slices of two sizes, one slice alone, a
+/// Each ends with code 2 and says the fault: a folder without the size of a voxel, one without slices, slices of two sizes, one slice alone, a
 /// threshold above all, a length that is none.
 #[test]
 fn stacks_that_cannot_be_meant_are_refused() {

@@ -3,7 +3,7 @@
 use crate::{fixture, json_of, path_text, seedfill, text};
 use trimesh::{LengthUnit, read_mesh};
 
-/// The file of an overlapping filling is one closed body without repairs, its volume the one that is told and
+/// The file of an overlapping filling is one closed body without repairs, its volume the one that is reported and
 /// within 0.3 (cell / radius)² of the union (the deficit of inscribed facets, as tested in sphere-fill); half
 /// the cell has a quarter of the error, within a factor 1.5 for the necks, and a reader in the same unit
 /// finds it where the mesh lies.
@@ -66,7 +66,7 @@ fn the_union_is_a_closed_body_of_the_volume_told() {
 }
 
 /// Loose spheres are several closed surfaces, and the text says so; cells that are too small, and digits that
-/// STL does not have, are refused with the way out and leave no file.
+/// STL does not have, are refused with the remedy and leave no file.
 #[test]
 fn the_union_of_a_loose_pack_is_told_and_bad_cells_are_refused() {
     let folder = tempfile::tempdir().unwrap();
