@@ -206,7 +206,27 @@ impl Scene {
         for change in overrides {
             apply(&mut table, change, &self.file)?;
         }
-        self.changed_to(table)
+        let scene: Self = table
+            .try_into()
+            .map_err(|error| self.misread(overrides, &error))?;
+        let scene = scene.completed(&self.file, &self.folder, &self.seed)?;
+        scene.check()?;
+        Ok(scene)
+    }
+
+    /// The error of settings that the form of a scene refuses, with the name of the first that is refused alone: the error itself
+    /// names the kind of quantity and not the setting.
+    fn misread(&self, overrides: &[Override], error: &toml::de::Error) -> Error {
+        let refused = overrides.iter().find_map(|change| {
+            let mut table = self.table().ok()?;
+            apply(&mut table, change, &self.file).ok()?;
+            let error = table.try_into::<Self>().err()?;
+            Some(format!("{}: {}", change.name, error.message()))
+        });
+        Error::Text {
+            file: self.file.clone(),
+            message: refused.unwrap_or_else(|| error.to_string()),
+        }
     }
 
     /// The number of a setting by its dotted path; none where nothing stands there, or no plain number.
@@ -224,17 +244,6 @@ impl Scene {
             file: self.file.clone(),
             message: e.to_string(),
         })
-    }
-
-    /// The scene of a table of values.
-    fn changed_to(&self, table: Table) -> Result<Self, Error> {
-        let scene: Self = table.try_into().map_err(|e: toml::de::Error| Error::Text {
-            file: self.file.clone(),
-            message: e.to_string(),
-        })?;
-        let scene = scene.completed(&self.file, &self.folder, &self.seed)?;
-        scene.check()?;
-        Ok(scene)
     }
 }
 

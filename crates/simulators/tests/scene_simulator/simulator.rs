@@ -213,7 +213,7 @@ fn what_cannot_be_meant_is_refused_with_its_name() {
             Some("mm"),
             "without unit",
         ),
-        ("seed.0.filling.method", None, "with its unit"),
+        ("seed.0.filling.method", None, "takes a number"),
     ] {
         let error = make(path, unit).unwrap_err().to_string();
         assert!(error.contains("'F'") && error.contains(says), "{error}");

@@ -161,7 +161,7 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
         (
             "seed-seed",
             "seed-sede",
-            "'contact.seed-sede.static_friction'",
+            "\"contact.seed-sede.static_friction\"",
         ),
         ("n = 2 }\ncurvature", "n = 0 }\ncurvature", "n = 0 must be"),
         ("low = 0.02", "low = 0.9", "must be finite and rise"),

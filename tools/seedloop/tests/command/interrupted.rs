@@ -350,7 +350,7 @@ fn a_pipe_is_refused_as_input() {
     ] {
         assert_error(
             &crate::seedloop(&scene.path(""), words),
-            &["pipe", "no plain file"],
+            &["pipe", "plain file"],
         );
     }
 }
