@@ -163,7 +163,11 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
             "seed-sede",
             "\"contact.seed-sede.static_friction\"",
         ),
-        ("n = 2 }\ncurvature", "n = 0 }\ncurvature", "n = 0 must be"),
+        (
+            "n = 2 }\ncurvature",
+            "n = 0 }\ncurvature",
+            "angle_deg.n = 0: must be",
+        ),
         ("low = 0.02", "low = 0.9", "must be finite and rise"),
         ("high = 0.18", "high = inf", "must be finite and rise"),
         // By hand: 2 runs at each of (1 start + 1 parameter + 2 effects + 45 rounds) x 2 and 3 x 1 conditions are 202.
