@@ -57,11 +57,12 @@
 //! };
 //! let store = Store::in_memory();
 //! let campaign = Campaign::new(&store, 1, &Silent);
-//! let found = calibrate(&campaign, &Bed, &problem, &LoopSettings::default(), &|_| {})?;
-//! // 36 deg are a friction of 0.4. The scatter of a run is 0.2 deg or 0.005 of it, and the surface is shifted to the mean of the
-//! // fresh runs, three at least: the tolerance is three standard errors.
+//! let settings = LoopSettings { confirmation_runs: 12, ..LoopSettings::default() };
+//! let found = calibrate(&campaign, &Bed, &problem, &settings, &|_| {})?;
+//! // 36 deg are a friction of 0.4. The scatter of a run is 0.2 deg or 0.005 of it; the surface is shifted to the mean of twelve fresh
+//! // runs, whose standard error is 0.0014.
 //! let value = found.parameters[0].value;
-//! assert!((value - 0.4).abs() < 3.0 * 0.005 / f64::sqrt(3.0), "{value}");
+//! assert!((value - 0.4).abs() < 0.005, "{value}");
 //! # Ok::<(), inference::Error>(())
 //! ```
 

@@ -556,10 +556,10 @@ fn fewest(share: f64, n: usize) -> usize {
 }
 
 /// Intervals must hold the truth as often as 95 % do, parameter by parameter, in the fit and in the joint estimate, and the joint
-/// estimate may open what the fit has fixed in 2 % of the studies, within three standard errors. Nine of ten studies must fix each
-/// parameter, within four standard errors, with intervals of a median width of at most `widest`, a quarter more than
+/// estimate may open what the fit has fixed in 2 % of the studies, within three standard errors. At least this share of the studies must
+/// fix each parameter, with intervals of a median width of at most `widest`, a quarter more than
 /// `trials/checks.sh drawn-studies` shows: those that hold the truth because they say nothing fail.
-fn assert_calibrated(kind: &Kind, studies: u64, widest: &[f64]) {
+fn assert_calibrated(kind: &Kind, studies: u64, share: f64, widest: &[f64]) {
     let summary = many(kind, studies);
     for (of, all) in [("fit", &summary.fit), ("joint", &summary.joint)] {
         for (j, counts) in all.iter().enumerate() {
@@ -573,7 +573,7 @@ fn assert_calibrated(kind: &Kind, studies: u64, widest: &[f64]) {
             );
             let width = counts.median_width();
             assert!(
-                counts.fixed >= fewest(0.9, counts.studies),
+                counts.fixed as f64 >= share * counts.studies as f64,
                 "{}: {of}, parameter {j}: {} of {} fixed",
                 kind.name,
                 counts.fixed,
@@ -602,20 +602,23 @@ fn assert_calibrated(kind: &Kind, studies: u64, widest: &[f64]) {
 #[test]
 fn a_check_that_scatters_opens_nothing() {
     let kind = bench_and_drum("bench and drum", 0.9);
-    assert_calibrated(&kind, 100, &[0.070, 0.115, 0.086, 0.046]);
+    assert_calibrated(&kind, 100, 0.9, &[0.070, 0.115, 0.086, 0.046]);
 }
 
 /// Seven correlated observables of ten frames from runs that scatter three times as much: weights from the plain covariance of a run,
 /// with fewer degrees of freedom than observables, would leave 82 % (fit) and 53 % (joint). Of 240 studies the fit fixes F in 86 %.
 #[test]
 fn many_observables_of_few_runs_keep_their_coverage() {
-    assert_calibrated(&photographs("seven observables", 3.0), 60, &[0.21, 0.093]);
+    // Sixty studies cannot tell 86 % from 90 %: four standard errors below.
+    let share = fewest(0.9, 60) as f64 / 60.0;
+    let kind = photographs("seven observables", 3.0);
+    assert_calibrated(&kind, 60, share, &[0.21, 0.093]);
 }
 
 /// A saturating response that noise hides from every test of lack of fit: the surface of the design alone would leave 69 %.
 #[test]
 fn a_lack_of_fit_that_noise_hides_does_not_bias() {
-    assert_calibrated(&saturating("saturating", 0.227, 3.0), 200, &[0.104]);
+    assert_calibrated(&saturating("saturating", 0.227, 3.0), 200, 0.9, &[0.104]);
 }
 
 /// A fill that is off by its stated error, where friction dilates the bed as more seeds would: with the fill taken for exact a third of
@@ -623,7 +626,7 @@ fn a_lack_of_fit_that_noise_hides_does_not_bias() {
 #[test]
 fn a_stated_error_of_the_fill_is_in_the_intervals() {
     let kind = filled("bed dilates", 1.0, true, true);
-    assert_calibrated(&kind, 100, &[0.130, 0.074]);
+    assert_calibrated(&kind, 100, 0.9, &[0.130, 0.074]);
 }
 
 /// The table of all kinds, of 1000 studies each (`trials/checks.sh drawn-studies`).
