@@ -41,6 +41,7 @@
 
 mod board;
 mod claims;
+mod cores;
 mod error;
 mod jobs;
 mod pace;
@@ -53,6 +54,7 @@ mod simulator;
 mod time_left;
 mod workers;
 
+pub use cores::Cores;
 pub use error::{Error, in_full};
 pub use pace::Pace;
 pub use progress::{LineProgress, Progress, ProgressState, Silent, range_in_words, time_in_words};

@@ -11,7 +11,7 @@ use crate::claims::Keeper;
 use crate::jobs::{Job, JobList};
 use crate::time_left::end_of_last;
 use crate::workers::Hall;
-use crate::{Error, Pace, Progress, RunRequest, Simulator};
+use crate::{Cores, Error, Pace, Progress, RunRequest, Simulator};
 
 /// Runs lists of requests against a store.
 #[derive(Clone, Copy)]
@@ -189,6 +189,7 @@ impl<'a> Campaign<'a> {
             board: &board,
             pace,
             keeper: &keeper,
+            cores: Cores::new(self.threads, workers),
         };
         self.work_all(&hall, workers);
         let board = board.into_inner().unwrap_or_else(PoisonError::into_inner);

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::error::in_full;
-use crate::{RunOutcome, RunRequest};
+use crate::{Cores, RunOutcome, RunRequest};
 
 /// Anything that turns a request into observables; the same request gives the same numbers.
 pub trait Simulator: Sync {
@@ -27,6 +27,16 @@ pub trait Simulator: Sync {
     ///
     /// [`SimulatorError`] when the request is invalid, or the run fails.
     fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError>;
+
+    /// Does one run on as many threads as it has cores at each moment, with the same result. By default on the calling thread.
+    ///
+    /// # Errors
+    ///
+    /// As [`Simulator::run`].
+    fn run_on(&self, request: &RunRequest, cores: &Cores) -> Result<RunOutcome, SimulatorError> {
+        let _ = cores;
+        self.run(request)
+    }
 
     /// Time that the run will take, relative to the other runs: sets the order (longest first)
     /// and the estimate of the time left. Not positive or not finite counts as 1.

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use crate::board::{Board, Elsewhere, Failure, lock};
 use crate::claims::{Keeper, Permit};
 use crate::jobs::Job;
-use crate::{Campaign, Pace, ProgressState, Simulator, SimulatorError};
+use crate::{Campaign, Cores, Pace, ProgressState, Simulator, SimulatorError};
 
 /// Pause of a worker while another asks for the last run; short against any run.
 const SHORT_PAUSE: Duration = Duration::from_millis(5);
@@ -51,6 +51,8 @@ pub(crate) struct Hall<'h> {
     pub(crate) pace: &'h Pace,
     /// Claims them.
     pub(crate) keeper: &'h Keeper<'h>,
+    /// Cores that they share.
+    pub(crate) cores: Cores,
 }
 
 impl Campaign<'_> {
@@ -77,7 +79,7 @@ impl Campaign<'_> {
             match self.next(hall) {
                 Next::Ask(i, before) => self.do_job(hall, i, before),
                 Next::Wait(pause) => std::thread::sleep(pause),
-                Next::End => return,
+                Next::End => return hall.cores.release(),
             }
         }
     }
@@ -194,7 +196,7 @@ impl Campaign<'_> {
         }
         begin();
         let start = Instant::now();
-        let result = self.run_and_store(hall.simulator, job);
+        let result = self.run_and_store(hall, job);
         if let Err(Failure::Simulator(error)) = &result
             && !self.is_stopped()
         {
@@ -204,9 +206,10 @@ impl Campaign<'_> {
     }
 
     /// Does one run and keeps its record.
-    fn run_and_store(&self, simulator: &dyn Simulator, job: &Job) -> Result<Record, Failure> {
+    fn run_and_store(&self, hall: &Hall<'_>, job: &Job) -> Result<Record, Failure> {
         // A run that panics must not take the others with it; its state dies with it.
-        let outcome = catch_unwind(AssertUnwindSafe(|| simulator.run(&job.request)))
+        let run = || hall.simulator.run_on(&job.request, &hall.cores);
+        let outcome = catch_unwind(AssertUnwindSafe(run))
             .unwrap_or_else(|panic| Err(panicked(panic.as_ref())))
             .map_err(Failure::Simulator)?;
         let record = job

@@ -2,13 +2,13 @@
 
 use campaign::run_store::{Observation, Store};
 use campaign::{
-    Campaign, Error, LineProgress, Pace, Progress, ProgressState, RunOutcome, RunRequest, Silent,
-    Simulator, SimulatorError,
+    Campaign, Cores, Error, LineProgress, Pace, Progress, ProgressState, RunOutcome, RunRequest,
+    Silent, Simulator, SimulatorError,
 };
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// y = 2 x + effect + noise of the seed; counts its runs, and does as told for special x.
 #[derive(Default)]
@@ -83,6 +83,47 @@ fn records_come_in_the_order_of_the_requests_and_do_not_depend_on_threads() {
         assert_eq!(record.seed(), request.seed);
     }
     assert_eq!(one, run(4));
+}
+
+/// A run that ends as soon as it has both of two cores, and others that end at once.
+struct Sharing;
+
+impl Simulator for Sharing {
+    fn version(&self) -> String {
+        "sharing".into()
+    }
+
+    fn run(&self, _: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        Ok(RunOutcome::default())
+    }
+
+    fn run_on(&self, request: &RunRequest, cores: &Cores) -> Result<RunOutcome, SimulatorError> {
+        let begin = Instant::now();
+        let first = cores.of_a_run();
+        while request.parameter("x") == Some(2.0) && cores.of_a_run() < 2 {
+            if begin.elapsed() > Duration::from_secs(20) {
+                let reason = "the other core stayed idle".into();
+                return Err(SimulatorError::Failed { reason });
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let first = Observation::of_one(first as f64, "1");
+        Ok(RunOutcome::default().with_observable("first", first))
+    }
+}
+
+/// While two workers have runs each run has one of two cores; the last one gets both when the others are done, and a run that is alone
+/// has them from the start.
+#[test]
+fn the_last_run_of_a_list_gets_all_cores() {
+    let store = Store::in_memory();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let first = |xs: &[f64]| {
+        let records = campaign.run_all(&Sharing, &requests(xs)).unwrap();
+        records[0].observable("first").unwrap().mean
+    };
+    assert_eq!(first(&[2.0, 1.0, 1.5]), 1.0);
+    assert_eq!(first(&[3.0]), 2.0);
 }
 
 #[test]

@@ -208,24 +208,30 @@ impl World {
         self.parts = Part::cut(n_bodies, pieces * parts_of_piece);
     }
 
-    /// The world with its steps on `threads` threads; 1 keeps them on the caller's.
-    ///
-    /// The results have the same bits. It pays from some thousands of bodies on; run many
-    /// smaller worlds side by side instead.
+    /// The world with its steps on `threads` threads, see [`World::set_threads`].
     ///
     /// # Errors
     ///
-    /// No thread, a world that has moved already, threads that cannot be started.
+    /// As [`World::set_threads`].
     pub fn on_threads(mut self, threads: usize) -> Result<Self, Error> {
+        self.set_threads(threads)?;
+        Ok(self)
+    }
+
+    /// Spreads the steps from now on over `threads` threads; 1 keeps them on the caller's.
+    ///
+    /// The results have the same bits. It pays from some thousands of bodies on; run many
+    /// smaller worlds side by side instead. A world that has moved is cut into other parts, which costs as much as a search for pairs.
+    ///
+    /// # Errors
+    ///
+    /// No thread, threads that cannot be started.
+    pub fn set_threads(&mut self, threads: usize) -> Result<(), Error> {
         let refused = |reason: String| Error::Threads { threads, reason };
         if threads == 0 {
             return Err(refused("at least one is needed".into()));
         }
-        if self.n_steps > 0 {
-            return Err(refused(
-                "the world has moved already: choose before the first step".into(),
-            ));
-        }
+        let state = (self.n_steps > 0).then(|| self.snapshot());
         let pieces = if threads == 1 {
             self.pool = None;
             1
@@ -236,7 +242,10 @@ impl World {
         };
         self.workspaces = vec![Workspace::default(); pieces];
         self.cut_parts();
-        Ok(self)
+        match state {
+            Some(state) => self.take_up(state),
+            None => Ok(()),
+        }
     }
 
     /// The world on the basic instructions of the processor instead of its widest: slower, with the same bits. For tests.

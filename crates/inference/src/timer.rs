@@ -3,7 +3,7 @@
 use crate::diagnosis_stage::length_of;
 use crate::samples::Runner;
 use crate::{PlannedStage, RunList, StageCost};
-use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
+use campaign::{Cores, RunOutcome, RunRequest, Simulator, SimulatorError};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -107,6 +107,11 @@ impl Simulator for Counted<'_> {
     fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
         self.count.fetch_add(1, Ordering::Relaxed);
         self.simulator.run(request)
+    }
+
+    fn run_on(&self, request: &RunRequest, cores: &Cores) -> Result<RunOutcome, SimulatorError> {
+        self.count.fetch_add(1, Ordering::Relaxed);
+        self.simulator.run_on(request, cores)
     }
 
     fn expected_cost(&self, request: &RunRequest) -> f64 {

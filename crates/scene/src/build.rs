@@ -40,16 +40,16 @@ pub(crate) struct Built {
 const BODIES_OF_THREAD: usize = 500;
 
 impl Built {
-    /// The same with its steps spread over at most so many threads.
-    pub(crate) fn on_threads(self, scene: &Scene, most: usize) -> Result<Self, Error> {
+    /// Spreads the steps from now on over at most so many threads.
+    pub(crate) fn set_threads(&mut self, scene: &Scene, most: usize) -> Result<(), Error> {
         // A factory makes the seeds later; a bonded seed is many bodies.
         let seeds = scene.seed_count();
         let bodies = seeds.max(self.world.bodies().len());
         let threads = most.min(bodies / BODIES_OF_THREAD).max(1);
-        Ok(Self {
-            world: self.world.on_threads(threads)?,
-            ..self
-        })
+        if threads != self.world.n_threads() {
+            self.world.set_threads(threads)?;
+        }
+        Ok(())
     }
 }
 

@@ -1,6 +1,7 @@
 //! Who hears how far a run is, keeps its state and may end it.
 
 use crate::motion::Progress;
+use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How far a run is.
@@ -36,6 +37,11 @@ pub trait Keeper {
         let _ = stage;
     }
 
+    /// Most threads that the run may use from now on; `None`: as many as before.
+    fn threads(&self) -> Option<usize> {
+        None
+    }
+
     /// Whether the run is to end here, with its state kept.
     fn is_stopped(&self) -> bool {
         false
@@ -67,11 +73,23 @@ impl Keeper for NoKeeper {
     }
 }
 
-/// Keeps nothing, and ends the run when a flag is raised.
-#[derive(Debug, Clone, Copy)]
-pub struct StopFlag<'a>(pub &'a AtomicBool);
+/// Keeps nothing, ends the run when a flag is raised, and gives the number of threads.
+pub struct Control<'a> {
+    /// Ends the run once it is true.
+    pub stop: &'a AtomicBool,
+    /// Most threads that the run may use at the time.
+    pub threads: &'a dyn Fn() -> usize,
+}
 
-impl Keeper for StopFlag<'_> {
+impl fmt::Debug for Control<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Control")
+            .field("stop", self.stop)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Keeper for Control<'_> {
     fn is_due(&mut self) -> bool {
         false
     }
@@ -80,7 +98,11 @@ impl Keeper for StopFlag<'_> {
         Ok(())
     }
 
+    fn threads(&self) -> Option<usize> {
+        Some((self.threads)())
+    }
+
     fn is_stopped(&self) -> bool {
-        self.0.load(Ordering::SeqCst)
+        self.stop.load(Ordering::SeqCst)
     }
 }

@@ -71,7 +71,7 @@ pub use error::Error;
 pub use filling::{FilledShape, FillingLibrary, SeedBody};
 pub use flow::{FlowingLayer, avalanche_period, fill_level, flowing_layer};
 pub use frame::{Frame, FrameReading, drum_picture, read_frame};
-pub use keeper::{Keeper, NoKeeper, RunStage, StopFlag};
+pub use keeper::{Control, Keeper, NoKeeper, RunStage};
 pub use material::{MaterialSettings, Stiffness};
 pub use memory_order::SORTED_FROM;
 pub use motion::Progress;

@@ -151,9 +151,12 @@ impl<'a> Running<'a> {
         }
     }
 
-    /// Lets a keeper have the state, if it wants it, and end the run.
-    pub(crate) fn offer(&self, keeper: &mut dyn Keeper) -> Result<(), Error> {
+    /// Lets a keeper have the state, if it wants it, give the number of threads, and end the run.
+    pub(crate) fn offer(&mut self, keeper: &mut dyn Keeper) -> Result<(), Error> {
         keeper.hear(&self.stage());
+        if let Some(threads) = keeper.threads() {
+            self.built.set_threads(self.scene, threads)?;
+        }
         let stopped = keeper.is_stopped();
         if !keeper.is_due() && !stopped {
             return Ok(());

@@ -147,8 +147,8 @@ pub fn run(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunResu
     run_on(scene, library, seed, 1, None, &mut NoKeeper)
 }
 
-/// [`run`] with the steps spread over at most so many threads (one for each 500 bodies), from where a run
-/// of the same scene and seed was left, with its state kept on the way.
+/// [`run`] with the steps spread over at most so many threads (one for each 500 bodies) until the keeper gives another number, from
+/// where a run of the same scene and seed was left, with its state kept on the way.
 ///
 /// The result is the same to the last bit for any number of threads, and as that of a run that was never left. A bench
 /// test starts anew and is not kept.
@@ -169,7 +169,8 @@ pub fn run_on(
     if let Some(tested) = run_bench(scene, library, seed)? {
         return Ok(tested);
     }
-    let built = build(scene, library, seed)?.on_threads(scene, threads)?;
+    let mut built = build(scene, library, seed)?;
+    built.set_threads(scene, threads)?;
     let mut phases = PhaseTimes {
         building_s: watch.lap(),
         ..PhaseTimes::default()

@@ -1,6 +1,6 @@
 //! What does the runs of a study.
 
-use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
+use campaign::{Cores, RunOutcome, RunRequest, Simulator, SimulatorError};
 use scene::FillingLibrary;
 use serde_json::Value;
 use simulators::external_simulator::{CommandSimulator, PeerSimulator};
@@ -70,6 +70,10 @@ impl Simulator for StudySimulator {
 
     fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
         self.inner().run(request)
+    }
+
+    fn run_on(&self, request: &RunRequest, cores: &Cores) -> Result<RunOutcome, SimulatorError> {
+        self.inner().run_on(request, cores)
     }
 
     fn expected_cost(&self, request: &RunRequest) -> f64 {

@@ -98,7 +98,7 @@ fn instruction_sets_change_no_bit() {
 }
 
 /// The sums of forces do not depend on who found them, nor what the bodies give to their bridges of liquid: one, two and
-/// three threads, whose bodies are cut into 1, 8 and 12 parts, give the same bits.
+/// three threads, whose bodies are cut into 1, 8 and 12 parts, give the same bits, and so does a number that changes on the way.
 #[test]
 fn threads_change_no_bit() {
     let worlds = [shaken, shaken_wet].map(|start| FILLINGS.map(|filling| (start, filling)));
@@ -112,8 +112,14 @@ fn threads_change_no_bit() {
             assert!(mean > 2.5, "the bodies have only {mean} contacts each");
             bits(&world)
         });
+        let mut changing = start(filling);
+        for threads in [1, 3, 2, 1] {
+            changing.set_threads(threads).unwrap();
+            run(&mut changing, 2500);
+        }
         assert_eq!(one, two);
         assert_eq!(one, three);
+        assert_eq!(one, bits(&changing));
     }
 }
 

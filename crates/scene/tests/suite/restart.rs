@@ -3,8 +3,8 @@
 use crate::coarse;
 use dev_support::fixture_files::fixture;
 use scene::{
-    BondedSettings, Ending, FillingLibrary, Keeper, Override, Progress, RunResult, RunStage,
-    SORTED_FROM, Scene, StopFlag, run, run_on, run_retrying,
+    BondedSettings, Control, Ending, FillingLibrary, Keeper, Override, Progress, RunResult,
+    RunStage, SORTED_FROM, Scene, run, run_on, run_retrying,
 };
 use std::sync::atomic::AtomicBool;
 
@@ -234,8 +234,12 @@ fn broken_bonds_stay_broken() {
 fn a_run_ends_when_its_flag_is_raised() {
     let raised = AtomicBool::new(true);
     let library = FillingLibrary::default();
+    let mut control = Control {
+        stop: &raised,
+        threads: &|| 1,
+    };
     for scene in [drum(), heap()] {
-        let told = run_on(&scene, &library, 3, 1, None, &mut StopFlag(&raised));
+        let told = run_on(&scene, &library, 3, 1, None, &mut control);
         let told = told.unwrap_err().to_string();
         assert!(told.contains("was stopped at 0.02 s"), "{told}");
     }

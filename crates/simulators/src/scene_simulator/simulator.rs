@@ -4,9 +4,9 @@ use crate::scene_simulator::binding::present_paths;
 use crate::scene_simulator::cost::expected_cost;
 use crate::scene_simulator::outcome::outcome_of;
 use crate::scene_simulator::{Binding, Effort, Error};
-use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
+use campaign::{Cores, RunOutcome, RunRequest, Simulator, SimulatorError};
 use input::quantity::AngularSpeed;
-use scene::{FillingLibrary, Override, RunResult, Scene, StopFlag, USUAL_RETRIES, run_retrying};
+use scene::{Control, FillingLibrary, Override, RunResult, Scene, USUAL_RETRIES, run_retrying};
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 use std::collections::{BTreeMap, VecDeque};
@@ -275,6 +275,7 @@ impl SceneSimulator {
         &self,
         scene: &Scene,
         seed: u64,
+        cores: &Cores,
     ) -> Result<(Arc<RunResult>, bool), SimulatorError> {
         let mut blind = serde_json::to_value(scene).map_err(SimulatorError::other)?;
         if let Some(settings) = blind.as_object_mut() {
@@ -293,8 +294,13 @@ impl SceneSimulator {
             let seen = result.seen_in(scene).map_err(SimulatorError::other)?;
             return Ok((Arc::new(seen), true));
         }
-        let keeper = &mut StopFlag(&self.stop);
-        let result = run_retrying(scene, &self.fillings, seed, 1, None, keeper, self.retries);
+        let threads = || cores.of_a_run();
+        let control = &mut Control {
+            stop: &self.stop,
+            threads: &threads,
+        };
+        let (fillings, retries) = (&self.fillings, self.retries);
+        let result = run_retrying(scene, fillings, seed, threads(), None, control, retries);
         let result = Arc::new(result.map_err(SimulatorError::other)?);
         if let Ok(mut moved) = self.moved.lock() {
             moved.push_back((key, Arc::clone(&result)));
@@ -318,9 +324,13 @@ impl Simulator for SceneSimulator {
     }
 
     fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        self.run_on(request, &Cores::new(1, 1))
+    }
+
+    fn run_on(&self, request: &RunRequest, cores: &Cores) -> Result<RunOutcome, SimulatorError> {
         let scene = self.scene_as_run(request)?;
         let begin = Instant::now();
-        let (result, only_seen) = self.run_or_see(&scene, request.seed)?;
+        let (result, only_seen) = self.run_or_see(&scene, request.seed, cores)?;
         let effort = Effort {
             wall_s: begin.elapsed().as_secs_f64(),
             only_seen,
