@@ -97,6 +97,7 @@ mod tests {
             mean: 0.0,
             sd: 1.0,
             n: 5.0,
+            is_scatter: false,
         };
         CalibrationProblem {
             id: "p".into(),

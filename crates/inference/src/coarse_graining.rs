@@ -53,7 +53,7 @@ pub(crate) fn trends(
             continue;
         };
         let se = (share * surface.covariance[(k, k)]).sqrt();
-        let of_measured = measured.variance().sqrt();
+        let of_measured = measured.variance_at(surface.value(k, &found.best)).sqrt();
         let most = coarse.error * of_measured / (se * (coarsest - finest));
         let trend = SizeTrend {
             model: problem.models[measured.model].name.clone(),

@@ -92,7 +92,7 @@ pub(crate) fn compared(
         parameter_variance,
     } = simulated;
     let parts = [
-        (m.variance(), m.degrees_of_freedom()),
+        (m.variance_at(mean.mean), m.degrees_of_freedom()),
         (mean.se.powi(2), dof),
         (parameter_variance.unwrap_or(0.0), f64::INFINITY),
     ];

@@ -212,7 +212,8 @@ fn compare(
             let at = (&found.best[..], factor);
             let mut row = row(name, &pooled, (k, observable), at, (means[k], n));
             let difference = (row.simulated.mean - row.predicted).abs();
-            row.matters = difference > IMMATERIAL * measured.variance().sqrt();
+            let of_measured = measured.variance_at(row.predicted);
+            row.matters = difference > IMMATERIAL * of_measured.sqrt();
             let is_missed = met.iter().any(|m| {
                 !m.holds
                     && m.observable == *observable
@@ -220,7 +221,7 @@ fn compare(
                     && m.condition == model.condition
             });
             let of_surface = pooled.leverage(&found.best) * pooled.covariance[(k, k)];
-            let error = (measured.variance() + of_surface).sqrt();
+            let error = (of_measured + of_surface).sqrt();
             let off = (measured.mean - pooled.value(k, &found.best)).abs();
             let decides = is_missed && off <= error * normal_limit(ALPHA_OF_A_MEASUREMENT);
             rows.push(Judged { row, decides });

@@ -99,6 +99,7 @@ mod tests {
             mean: 1.0,
             sd,
             n: 1.0,
+            is_scatter: false,
         };
         let model = |name: &str| Model {
             name: name.into(),

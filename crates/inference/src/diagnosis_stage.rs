@@ -164,11 +164,13 @@ pub(crate) fn plan(
             let names = here
                 .iter()
                 .map(|(_, m)| (name_in_plan(problem, m), m.observable.clone()));
+            let scatters = here.iter().filter(|(_, m)| m.is_scatter);
             conditions.push(StudyCondition {
                 observables: Some(names.collect()),
                 used: role == Role::Fit,
                 values: measured.iter().map(|m| m.map(|(_, m)| m.mean)).collect(),
                 covariance: block(problem, &measured),
+                scatters: scatters.map(|(_, m)| name_in_plan(problem, m)).collect(),
                 ..condition(problem, &problem.models[k])
             });
         }

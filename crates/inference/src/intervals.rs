@@ -444,7 +444,7 @@ struct EstimatedPart {
 /// What V of a block is made of: the covariance of the surface, and one of each group of measured means that go together. Means
 /// that do were read from the same frames: of their degrees of freedom the fewest count.
 fn estimated_parts(fit: &JointFit<'_>, block: &[Target], at: &[f64]) -> Vec<EstimatedPart> {
-    let measured = fit.measured_covariance(block);
+    let measured = fit.measured_covariance(block, at);
     let mut parts = vec![EstimatedPart {
         covariance: fit.surface_covariance(block, at),
         degrees_of_freedom: fit.surfaces[block[0].surface].degrees_of_freedom,
@@ -521,7 +521,7 @@ fn variance_dof(fit: &JointFit<'_>, best: &Minimum) -> Vec<f64> {
         let surface = fit.surface_covariance(block, &at);
         let dof = fit.surfaces[block[0].surface].degrees_of_freedom;
         for (k, target) in block.iter().enumerate() {
-            let (a, b) = (target.variance, surface[(k, k)]);
+            let (a, b) = (fit.measured_variance(target, &at), surface[(k, k)]);
             let squares = a * a / target.degrees_of_freedom + b * b / dof;
             all.push((a + b).powi(2) / squares.max(f64::MIN_POSITIVE));
         }

@@ -34,7 +34,6 @@ pub(crate) struct Target {
     /// Place of the observable there.
     pub(crate) observable: usize,
     pub(crate) mean: f64,
-    pub(crate) variance: f64,
     pub(crate) degrees_of_freedom: f64,
 }
 
@@ -92,7 +91,6 @@ impl<'a> JointFit<'a> {
                     surface: s,
                     observable: surface.place(&m.observable)?,
                     mean: m.mean,
-                    variance: m.variance(),
                     degrees_of_freedom: m.degrees_of_freedom(),
                 })
             }));
@@ -156,10 +154,17 @@ impl<'a> JointFit<'a> {
         correlation_of(self.problem, a.measurement, b.measurement)
     }
 
-    pub(crate) fn measured_covariance(&self, block: &[Target]) -> DMatrix<f64> {
+    /// Variance of the measured value of a target, at a point of all parameters.
+    pub(crate) fn measured_variance(&self, target: &Target, at: &[f64]) -> f64 {
+        let simulated = self.surfaces[target.surface].value(target.observable, at);
+        self.problem.measurements[target.measurement].variance_at(simulated)
+    }
+
+    pub(crate) fn measured_covariance(&self, block: &[Target], at: &[f64]) -> DMatrix<f64> {
         DMatrix::from_fn(block.len(), block.len(), |a, b| {
             let (a, b) = (&block[a], &block[b]);
-            self.correlation(a, b) * (a.variance * b.variance).sqrt()
+            let [of_a, of_b] = [a, b].map(|target| self.measured_variance(target, at));
+            self.correlation(a, b) * (of_a * of_b).sqrt()
         })
     }
 
@@ -184,7 +189,7 @@ impl<'a> JointFit<'a> {
     pub(crate) fn whitening(&self, at: &[f64]) -> Result<Whitener, Error> {
         let (mut blocks, mut models) = (Vec::new(), Vec::new());
         for (_, block) in self.blocks() {
-            blocks.push(self.surface_covariance(block, at) + self.measured_covariance(block));
+            blocks.push(self.surface_covariance(block, at) + self.measured_covariance(block, at));
             let model = self.surfaces[block[0].surface].model;
             models.push(self.problem.models[model].name.clone());
         }

@@ -94,8 +94,9 @@ pub(crate) fn missed(
             let missed = (mean - surface.value_of(k, point, factor)).powi(2);
             (missed / share, 1.0, missed)
         });
+        let variance = measured.variance_at(surface.value(k, point));
         let in_errors = |(square, df, missed): (f64, f64, f64)| {
-            let errors = (missed / measured.variance()).sqrt();
+            let errors = (missed / variance).sqrt();
             let p = f_upper_tail(square / pure, df, df_pure);
             // Runs without any scatter leave no doubt.
             let is_missed = errors > MATTERS && p.is_none_or(|p| p < ALPHA / rows);

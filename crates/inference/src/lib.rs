@@ -47,6 +47,7 @@
 //!     mean: 36.0,
 //!     sd: 0.5,
 //!     n: 10.0,
+//!     is_scatter: false,
 //! };
 //! let problem = CalibrationProblem {
 //!     id: "bed".into(),
@@ -82,6 +83,7 @@ mod intervals;
 mod joint;
 mod joint_fit;
 mod lack_of_fit;
+mod measurement;
 mod noisy_slopes;
 mod planned;
 mod power;
@@ -104,11 +106,12 @@ pub use budget::runs_needed;
 pub use calibrate::{calibrate, within_budget};
 pub use diagnosis_stage::{diagnose_at, most_runs_of_candidates, most_runs_of_diagnosis};
 pub use error::Error;
+pub use measurement::{Measurement, Role};
 pub use planned::{PlannedStage, RunList, planned, planned_diagnosis};
 pub use power::{PowerTable, power_of_design};
 pub use problem::{
-    CalibrationProblem, Candidate, CoarseGraining, Correlation, MOST_PARAMETERS, Measurement,
-    Model, Parameter, Prior, Role,
+    CalibrationProblem, Candidate, CoarseGraining, Correlation, MOST_PARAMETERS, Model, Parameter,
+    Prior,
 };
 pub use residual_study::{
     AddedEffect, CandidateMeasurement, EffectProbe, ErrorPair, OfferedMeasurement, RealErrors,

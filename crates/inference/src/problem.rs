@@ -1,7 +1,7 @@
 //! What a calibration is asked: parameters, models and measurements.
 
 use crate::correlated::check_correlations;
-use crate::{EffectProbe, Error};
+use crate::{EffectProbe, Error, Measurement, Role};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -51,52 +51,6 @@ pub struct Model {
     pub condition: BTreeMap<String, String>,
     /// Numbers of the parameters on which its runs depend, in rising order.
     pub parameters: Vec<usize>,
-}
-
-/// What a measurement serves for; decided before anyone looks at a result.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Role {
-    /// The estimate may use it.
-    Fit,
-    /// No fit and no choice sees it; the estimate is judged by it.
-    Check,
-    /// Simulated at the estimate and printed beside the measurement; nothing is judged by it.
-    Show,
-}
-
-/// A measured mean.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Measurement {
-    /// Number of the model.
-    pub model: usize,
-    /// Name of the observable.
-    pub observable: String,
-    /// What it serves for.
-    pub role: Role,
-    /// Mean, in the unit of the observable.
-    pub mean: f64,
-    /// Standard deviation of the single values.
-    pub sd: f64,
-    /// Number of independent values; not whole where it is an effective number of correlated ones.
-    pub n: f64,
-}
-
-impl Measurement {
-    /// Variance of the mean: sd² / n.
-    pub fn variance(&self) -> f64 {
-        self.sd * self.sd / self.n
-    }
-
-    /// Degrees of freedom of that variance: n - 1; without end where a single value came with a standard deviation
-    /// that is known otherwise.
-    pub fn degrees_of_freedom(&self) -> f64 {
-        if self.n > 1.0 {
-            self.n - 1.0
-        } else {
-            f64::INFINITY
-        }
-    }
 }
 
 /// The correlation of two measured means that were read from the same frames.

@@ -131,7 +131,7 @@ pub fn study_residual(
     let mut plan = plan.clone();
     let mut left_out_conditions = BTreeMap::new();
     loop {
-        let error = match study_of_all(&worker, &plan) {
+        let error = match studied(&worker, &plan) {
             Ok(mut study) => {
                 let warnings = &mut study.diagnosis.warnings;
                 warnings.extend(worker.left_out());
@@ -188,18 +188,54 @@ pub(crate) fn certain_lists(plan: &ResidualPlan) -> [Vec<RunRequest>; 3] {
     [start, used, kept]
 }
 
-/// The study of a plan whose conditions can all be run.
-fn study_of_all(worker: &Worker<'_>, plan: &ResidualPlan) -> Result<ResidualStudy, Error> {
+/// How many times as many runs the kept conditions get if an answer was withdrawn for what few runs show there.
+pub(crate) const MORE_AT_KEPT: usize = 3;
+/// Least share of the runs in the variance of a kept value for which more runs may change the answer.
+const NOISE_OF_RUNS: f64 = 0.1;
+
+/// The study of a plan whose conditions can all be run. An answer that the kept conditions withdraw is checked once more with more
+/// runs there, if their noise may have decided.
+fn studied(worker: &Worker<'_>, plan: &ResidualPlan) -> Result<ResidualStudy, Error> {
+    let first = study_of_all(worker, plan, plan.replicates)?;
+    if first.runs_may_change_it {
+        // The runs so far are records, and are not done again.
+        return Ok(study_of_all(worker, plan, MORE_AT_KEPT * plan.replicates)?.study);
+    }
+    Ok(first.study)
+}
+
+/// A study, and whether it withdrew an answer that more runs at the kept conditions may bring back.
+struct StudyOfRuns {
+    study: ResidualStudy,
+    runs_may_change_it: bool,
+}
+
+/// The study with so many runs of each mean at the kept conditions.
+fn study_of_all(
+    worker: &Worker<'_>,
+    plan: &ResidualPlan,
+    runs_at_kept: usize,
+) -> Result<StudyOfRuns, Error> {
     let (linear, left_out) = Linearisation::run(worker, plan)?;
-    let mut plan = plan.clone();
-    plan.effects.retain(|e| !left_out.contains_key(&e.name));
-    let plan = &plan;
-    let fits = Fits { worker, plan };
+    let mut stated = plan.clone();
+    stated.effects.retain(|e| !left_out.contains_key(&e.name));
+    let at_start = stated.with_errors_at(&linear.nominal);
+    let fits = Fits {
+        worker,
+        plan: &at_start,
+        runs_at_kept,
+    };
     let (mut fit, visited) = fits.declared(&linear)?;
     // The kept conditions are run once, where the fit has ended.
     let kept = fits.run(&fit.setting, fit.block, At::Kept)?;
     let linear = linear.with_points(&visited).with_scatter(&kept);
     fit.means = fit.means.with_kept(kept);
+    let plan = &stated.with_errors_at(&fit.means);
+    let fits = Fits {
+        worker,
+        plan,
+        runs_at_kept,
+    };
     let Diagnosed {
         linear,
         mut file,
@@ -221,6 +257,7 @@ fn study_of_all(worker: &Worker<'_>, plan: &ResidualPlan) -> Result<ResidualStud
         all_could_be_run,
     } = fits.decided(&linear, &fit, diagnosis, &mut remeasured)?;
     diagnosis.warnings.append(&mut remeasured.warnings);
+    let had_answer = !diagnosis.effects.is_empty();
     if all_could_be_run && !diagnosis.effects.is_empty() {
         // What could not be run was not refuted.
         diagnosis = checked(&fits, &linear, &fit, (&errors_before, &added), diagnosis)?;
@@ -228,6 +265,9 @@ fn study_of_all(worker: &Worker<'_>, plan: &ResidualPlan) -> Result<ResidualStud
     if by_kept && !diagnosis.effects.is_empty() {
         diagnosis = over_unknown(&fits, &linear, &fit, (&file, &added), diagnosis)?;
     }
+    let runs_may_change_it = had_answer
+        && diagnosis.effects.is_empty()
+        && assemble::share_of_runs(plan, &linear, &fit.means, At::Kept) > NOISE_OF_RUNS;
     let (experiments, offered) = fits.candidates(&linear, &fit, &diagnosis)?;
     if !experiments.is_empty() {
         file.candidate_experiments = experiments;
@@ -237,7 +277,7 @@ fn study_of_all(worker: &Worker<'_>, plan: &ResidualPlan) -> Result<ResidualStud
     let pooled = linear.pooled_covariance();
     let sds = (0..pooled.len()).map(|k| pooled[k][k].sqrt());
     let names = plan.observables.iter().cloned();
-    Ok(ResidualStudy {
+    let study = ResidualStudy {
         plan: plan.clone(),
         left_out,
         left_out_conditions: BTreeMap::new(),
@@ -251,6 +291,10 @@ fn study_of_all(worker: &Worker<'_>, plan: &ResidualPlan) -> Result<ResidualStud
         after,
         rivals,
         offered,
+    };
+    Ok(StudyOfRuns {
+        study,
+        runs_may_change_it,
     })
 }
 

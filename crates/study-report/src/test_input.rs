@@ -111,6 +111,7 @@ pub(crate) fn measured(
         mean,
         sd,
         n: 10.0,
+        is_scatter: false,
     }
 }
 

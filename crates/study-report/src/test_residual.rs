@@ -52,6 +52,7 @@ fn study() -> ResidualStudy {
         used: *rpm < 30.0,
         values: vec![Some(30.0 + rpm)],
         covariance: vec![vec![0.01]],
+        ..StudyCondition::default()
     };
     let plan = ResidualPlan {
         id: "twins".into(),

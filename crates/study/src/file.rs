@@ -107,12 +107,9 @@ pub(crate) struct ParameterEntry {
     pub(crate) scenes: Option<Vec<String>>,
 }
 
-/// A measured mean.
+/// A measured mean, or a measured standard deviation; the fields are those of [`inference::Measurement`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(
-    deny_unknown_fields,
-    expecting = "a measurement { mean = ..., sd = ..., n = ... }; keys of [[measured]] are scene, condition, role, photos, photo, correlation"
-)]
+#[serde(try_from = "StatedValue")]
 pub struct MeasuredValue {
     /// Mean, in the unit of the observable.
     pub mean: f64,
@@ -120,6 +117,64 @@ pub struct MeasuredValue {
     pub sd: f64,
     /// Number of independent values, above 0.
     pub n: f64,
+    /// Whether it is the standard deviation of n + 1 values.
+    #[serde(skip)]
+    pub is_scatter: bool,
+}
+
+impl MeasuredValue {
+    /// A mean of independent values.
+    pub(crate) fn of_mean(mean: f64, sd: f64, n: f64) -> Self {
+        Self {
+            mean,
+            sd,
+            n,
+            is_scatter: false,
+        }
+    }
+
+    /// The standard deviation s of so many independent values.
+    ///
+    /// # Formula
+    ///
+    /// Standard error of s: `s / sqrt(2 (number - 1))`.
+    pub(crate) fn of_scatter(s: f64, number: f64) -> Self {
+        Self {
+            mean: s,
+            sd: s * std::f64::consts::FRAC_1_SQRT_2,
+            n: number - 1.0,
+            is_scatter: true,
+        }
+    }
+}
+
+/// The same as a study file states it.
+#[derive(Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a measurement { mean = ..., sd = ..., n = ... }, or { scatter = ..., n = ... }; keys of [[measured]] are scene, condition, role, photos, photo, correlation"
+)]
+struct StatedValue {
+    mean: Option<f64>,
+    sd: Option<f64>,
+    n: f64,
+    scatter: Option<f64>,
+}
+
+impl TryFrom<StatedValue> for MeasuredValue {
+    type Error = &'static str;
+
+    fn try_from(stated: StatedValue) -> Result<Self, Self::Error> {
+        match (stated.mean, stated.sd, stated.scatter) {
+            (Some(mean), Some(sd), None) => Ok(Self::of_mean(mean, sd, stated.n)),
+            (None, None, Some(s)) => Ok(Self::of_scatter(s, stated.n)),
+            (_, _, Some(_)) => {
+                Err("scatter is the standard deviation of n values: leave out mean and sd")
+            }
+            (None, _, None) => Err("missing field `mean`"),
+            (_, None, None) => Err("missing field `sd`"),
+        }
+    }
 }
 
 /// How the means of two observables of one measurement go together.

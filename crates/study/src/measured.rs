@@ -79,14 +79,15 @@ impl Resolved {
         }
         let values = values.into_iter().map(|value| (value, entry.role));
         let fill = shown_fill(series.as_ref(), entry).map(|value| (value, Role::Show));
-        for ((observable, MeasuredValue { mean, sd, n }), role) in values.chain(fill) {
+        for ((observable, value), role) in values.chain(fill) {
             let measurement = Measurement {
                 model,
                 observable,
                 role,
-                mean,
-                sd,
-                n,
+                mean: value.mean,
+                sd: value.sd,
+                n: value.n,
+                is_scatter: value.is_scatter,
             };
             self.push(entry, measurement, problems);
         }

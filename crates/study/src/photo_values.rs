@@ -139,11 +139,7 @@ fn speed(
         ));
         return None;
     }
-    let value = MeasuredValue {
-        mean: found.mean,
-        sd: found.sd,
-        n: found.n_effective,
-    };
+    let value = MeasuredValue::of_mean(found.mean, found.sd, found.n_effective);
     // A speed of every frame, and not of some, goes with the other observables of that frame.
     let is_taken = tell(SPEED, value, wanted, series) && speeds.len() == frames;
     is_taken.then(|| (SPEED, speeds.iter().copied().map(Some).collect()))
@@ -275,11 +271,8 @@ fn value_from(
             "{name}: the photos agree by chance better than each is read; its sd is the error of the reading"
         ));
     }
-    Some(MeasuredValue {
-        mean: summary.mean,
-        sd,
-        n: if is_one { 1.0 } else { summary.n_effective },
-    })
+    let n = if is_one { 1.0 } else { summary.n_effective };
+    Some(MeasuredValue::of_mean(summary.mean, sd, n))
 }
 
 /// What frames without a value may change in a mean.
@@ -321,10 +314,6 @@ fn reading_error(frames: &[&FrameValues]) -> f64 {
 
 /// The standard deviation of the angle between frames, deg; `None` of too few. Its column holds the squares about the mean, as the
 /// standard deviation changes with each of them.
-///
-/// # Formula
-///
-/// The standard error of the standard deviation s of n independent normal values is `s / sqrt(2 (n - 1))`.
 fn fluctuation(
     angles: &[Option<f64>],
     wanted: Wanted<'_>,
@@ -348,11 +337,7 @@ fn fluctuation(
             significant(100.0 * bias.most_scatter, 2)
         ));
     }
-    let value = MeasuredValue {
-        mean: summary.sd,
-        sd: summary.sd * std::f64::consts::FRAC_1_SQRT_2,
-        n: summary.n_effective - 1.0,
-    };
+    let value = MeasuredValue::of_scatter(summary.sd, summary.n_effective);
     series.values.insert(FLUCTUATION.to_owned(), value);
     let squares = angles.iter();
     let squares = squares.map(|a| a.map(|a| (a - summary.mean).powi(2)));
@@ -362,11 +347,7 @@ fn fluctuation(
 /// The time over which the angle is correlated, by a series without a gap.
 fn memory(angles: &[f64], interval: f64, wanted: Wanted<'_>, series: &mut PhotoSeries) {
     if let Some(found) = correlation_time(angles, interval) {
-        let value = MeasuredValue {
-            mean: found.time,
-            sd: found.standard_error,
-            n: 1.0,
-        };
+        let value = MeasuredValue::of_mean(found.time, found.standard_error, 1.0);
         tell(MEMORY, value, wanted, series);
     }
 }
@@ -384,11 +365,7 @@ fn of_avalanches(found: &Avalanches, interval: f64, wanted: Wanted<'_>, series: 
         if let Ok(s) = summarise(values)
             && s.sd.max(least) > 0.0
         {
-            let value = MeasuredValue {
-                mean: s.mean,
-                sd: s.sd.max(least),
-                n: s.n_effective,
-            };
+            let value = MeasuredValue::of_mean(s.mean, s.sd.max(least), s.n_effective);
             if tell(name, value, wanted, series) {
                 // An avalanche and the time that the next one takes to come.
                 let values = &values[..found.waiting_times.len()];

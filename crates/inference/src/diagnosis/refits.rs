@@ -125,9 +125,16 @@ impl Diagnosis {
             candidate.ln_bf_unknown = ln_factor.or(candidate.ln_bf_unknown);
         }
         if !ln_factor.is_some_and(|ln| ln > LN_FACTOR_TO_NAME) {
-            self.take_back(
-                "the answer is withdrawn: the kept conditions do not tell it from an effect that is not in the library".to_owned(),
-            );
+            let odds = ln_factor.map_or_else(String::new, |ln| {
+                format!(
+                    " (odds {:.2}, {:.0} are needed)",
+                    ln.exp(),
+                    LN_FACTOR_TO_NAME.exp()
+                )
+            });
+            self.take_back(format!(
+                "the answer is withdrawn: the kept conditions do not distinguish it from an effect that is not in the library{odds}"
+            ));
         }
         self.summary = summary(&self);
         self

@@ -185,6 +185,20 @@ pub(super) fn covariance_dof(plan: &ResidualPlan, linear: &Linearisation, at_fit
     each.fold(MANY, f64::min)
 }
 
+/// Greatest share of the runs in the variance of a measured value minus the mean of its runs, at the used or the kept conditions.
+pub(super) fn share_of_runs(
+    plan: &ResidualPlan,
+    linear: &Linearisation,
+    means: &Means,
+    at: At,
+) -> f64 {
+    let share = |(c, k): (usize, usize)| {
+        let of_runs = linear.run_covariance[c][k][k] / means.n[c] as f64;
+        of_runs / (plan.conditions[c].covariance[k][k] + of_runs)
+    };
+    plan.rows(at).into_iter().map(share).fold(0.0, f64::max)
+}
+
 /// Whitened mean square of so many values that noise alone exceeds in 1 of 40 cases where they are many:
 /// 1 + 2 sqrt(2/n).
 pub(super) fn likely_mean_square(values: usize) -> f64 {

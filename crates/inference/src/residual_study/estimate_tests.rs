@@ -58,6 +58,7 @@ fn the_interval_of_an_amplitude_holds_the_truth_in_many_campaigns() {
         let worker = Worker::new(&campaign, &By(braked_run));
         let (linear, _) = Linearisation::run(&worker, &plan).unwrap();
         let fits = Fits {
+            runs_at_kept: plan.replicates,
             worker: &worker,
             plan: &plan,
         };

@@ -223,6 +223,7 @@ fn with_bench() -> ResidualPlan {
         used: true,
         values: vec![None, None, Some(1.0)],
         covariance,
+        ..StudyCondition::default()
     });
     plan
 }

@@ -58,6 +58,8 @@ fn run_or_told<T>(
 pub(super) struct Fits<'a> {
     pub(super) worker: &'a Worker<'a>,
     pub(super) plan: &'a ResidualPlan,
+    /// Runs of each mean at the kept conditions.
+    pub(super) runs_at_kept: usize,
 }
 
 /// Effects that were looked at anew.
@@ -511,6 +513,15 @@ impl Fits<'_> {
     }
 
     pub(super) fn run(&self, setting: &Setting, block: u64, at: At) -> Result<Means, Error> {
-        runs::means(self.worker, self.plan, setting, block, at)
+        match at {
+            At::Used => runs::means(self.worker, self.plan, setting, block, at),
+            At::Kept => {
+                let plan = ResidualPlan {
+                    replicates: self.runs_at_kept,
+                    ..self.plan.clone()
+                };
+                runs::means(self.worker, &plan, setting, block, at)
+            }
+        }
     }
 }

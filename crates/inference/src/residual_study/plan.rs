@@ -1,8 +1,9 @@
 //! A problem as its residual is studied: conditions with what was measured, parameters, effects.
 
 use super::candidates::CandidateMeasurement;
-use super::runs::{self, At};
+use super::runs::{self, At, Means};
 use crate::diagnosis::{CovarianceMatrix, Largest, Sign};
+use crate::measurement::scatter_ratio;
 use crate::{Error, Parameter};
 use campaign::RunRequest;
 use serde::{Deserialize, Serialize};
@@ -31,6 +32,10 @@ pub struct StudyCondition {
     /// Their covariance, (observables, observables); rows and columns of what was not measured are not read.
     #[serde(default)]
     pub covariance: CovarianceMatrix,
+    /// Observables whose measured value is a standard deviation: their error is a share of the simulated value, see
+    /// [`Measurement::variance_at`](crate::Measurement::variance_at), and `covariance` is that for the measured one.
+    #[serde(default, skip_serializing_if = "BTreeSet::is_empty")]
+    pub scatters: BTreeSet<String>,
 }
 
 impl StudyCondition {
@@ -147,6 +152,28 @@ pub struct ResidualPlan {
 }
 
 impl ResidualPlan {
+    /// The plan with the errors of measured standard deviations as they are where these means are true; conditions without means
+    /// keep theirs.
+    pub(super) fn with_errors_at(&self, means: &Means) -> Self {
+        let mut plan = self.clone();
+        for (c, simulated) in plan.conditions.iter_mut().zip(&means.values) {
+            for (k, name) in self.observables.iter().enumerate() {
+                let (Some(value), Some(Some(measured))) = (simulated.get(k), c.values.get(k))
+                else {
+                    continue;
+                };
+                if c.scatters.contains(name) {
+                    let factor = scatter_ratio(*value, *measured);
+                    for row in &mut c.covariance {
+                        row[k] *= factor;
+                    }
+                    c.covariance[k].iter_mut().for_each(|x| *x *= factor);
+                }
+            }
+        }
+        plan
+    }
+
     /// Number of conditions that the fit uses, or that are kept for the check.
     pub fn count(&self, used: bool) -> usize {
         self.conditions.iter().filter(|c| c.used == used).count()
@@ -197,5 +224,44 @@ impl ResidualPlan {
                 expected,
             })
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::runs::Means;
+    use super::{ResidualPlan, StudyCondition};
+    use campaign::RunRequest;
+    use std::collections::BTreeSet;
+
+    /// A mean of 40 and a standard deviation of 0.5 with errors of 1 and 0.1 and a correlation of 0.3. Runs that show 41 and 1.0 double
+    /// the error of the standard deviation, and with it the covariance of the two; a condition without runs keeps its errors.
+    #[test]
+    fn the_error_of_a_scatter_is_taken_at_the_simulated_one() {
+        let condition = StudyCondition {
+            used: true,
+            values: vec![Some(40.0), Some(0.5)],
+            covariance: vec![vec![1.0, 0.03], vec![0.03, 0.01]],
+            scatters: BTreeSet::from(["fluctuation".to_owned()]),
+            ..StudyCondition::default()
+        };
+        let plan = ResidualPlan {
+            id: "drum".into(),
+            base: RunRequest::new("drum", 1),
+            conditions: vec![condition.clone(), condition],
+            observables: vec!["angle".into(), "fluctuation".into()],
+            parameters: Vec::new(),
+            effects: Vec::new(),
+            replicates: 2,
+            seed: 1,
+            candidates: Vec::new(),
+        };
+        let means = Means {
+            values: vec![vec![41.0, 1.0], Vec::new()],
+            ..Means::of(&[], 2)
+        };
+        let at = plan.with_errors_at(&means);
+        assert_eq!(at.conditions[0].covariance, [[1.0, 0.06], [0.06, 0.04]]);
+        assert_eq!(at.conditions[1], plan.conditions[1]);
     }
 }

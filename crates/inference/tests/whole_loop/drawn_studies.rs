@@ -119,6 +119,7 @@ impl Kind {
                     mean: (observable.shows)(&truth) + of_one * mean,
                     sd: of_one * (square / (n - 1.0)).sqrt(),
                     n,
+                    is_scatter: false,
                 });
             }
             let matrix = shrunk_correlations(&columns).expect("columns of ten values");

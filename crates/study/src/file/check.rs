@@ -234,12 +234,20 @@ impl MeasuredEntry {
         for (name, value) in &self.values {
             let at = |key: &str| below(&at(name), key);
             let ([least, most], unit) = range_of(name);
+            let value_key = if value.is_scatter { "scatter" } else { "mean" };
             let holds = (least..=most).contains(&value.mean);
             problems.require(
                 holds,
-                &at("mean"),
+                &at(value_key),
                 &format!("must be {least} to {most}{unit}"),
             );
+            if value.is_scatter {
+                let problem = "must be above 0: the standard deviation of the single values";
+                problems.require(value.mean > 0.0, &at("scatter"), problem);
+                let problem = "must be 2 or more, at most 1e15: the number of independent values that scatter so";
+                problems.require((1.0..=MOST).contains(&value.n), &at("n"), problem);
+                continue;
+            }
             let problem = "must be above 0, at most 1e15: the standard deviation of the single values, or the error of the reading if \
                            only one was read";
             problems.require(value.sd > 0.0 && value.sd <= MOST, &at("sd"), problem);

@@ -1,6 +1,6 @@
 //! Parameters that are handed over, and taken up again.
 
-use super::folder::{Folder, STUDY, right};
+use super::folder::{Folder, STUDY, changed, reports, right, wrong};
 use inference::Estimate;
 use study::{parameter_file, write_result};
 
@@ -104,4 +104,35 @@ fn the_scene_of_the_decks_has_the_estimates() {
         (friction("pea", "pea"), friction("pea", "wall")),
         (0.33, 0.1 + 0.2)
     );
+}
+
+/// A standard deviation s of ten values has the standard error s / sqrt(18), and is marked as one.
+#[test]
+fn a_scatter_of_values_is_a_measurement_with_its_error() {
+    let mean = "curvature = { mean = 0.1, sd = 0.02, n = 7.5 }";
+    let study = right(&changed(
+        mean,
+        "fluctuation_deg = { scatter = 0.6, n = 10 }",
+    ));
+    let mut measured = study.problem.measurements.iter();
+    let measured = measured
+        .find(|m| m.observable == "fluctuation_deg")
+        .unwrap();
+    assert!(measured.is_scatter && measured.mean == 0.6);
+    let error = measured.variance().sqrt();
+    assert!((error - 0.6 / 18.0_f64.sqrt()).abs() < 1e-15, "{error}");
+
+    for (value, key, word) in [
+        ("{ scatter = 0.6, n = 1 }", "n = 1", "2 or more"),
+        ("{ scatter = 0, n = 10 }", "scatter = 0", "above 0"),
+        (
+            "{ scatter = 0.6, sd = 0.1, n = 10 }",
+            "fluctuation_deg",
+            "leave out",
+        ),
+        ("{ mean = 0.6, n = 10 }", "fluctuation_deg", "'sd'"),
+    ] {
+        let study = changed(mean, &format!("fluctuation_deg = {value}"));
+        reports(&study, &wrong(&study), key, word);
+    }
 }
