@@ -4,10 +4,8 @@
 #![cfg(unix)]
 #![expect(clippy::unwrap_used, reason = "a failed step fails its test")]
 
-mod common;
-
+use crate::common::{RUNS, record, work_through};
 use campaign::run_store::{Attempt, CLAIM_LIFE, Error, Lookup, Record, Store};
-use common::{RUNS, record, work_through};
 use std::error::Error as _;
 use std::fs;
 use std::path::Path;
@@ -48,7 +46,11 @@ impl Desk {
                 command
             }
         };
-        command.args(["--ignored", "--exact", "a_child_does_its_task"]);
+        command.args([
+            "--ignored",
+            "--exact",
+            "run_store_processes::a_child_does_its_task",
+        ]);
         command.current_dir(desk).stdout(Stdio::null());
         command.spawn().unwrap()
     }

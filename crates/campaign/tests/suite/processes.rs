@@ -70,7 +70,7 @@ impl Desk {
 
     fn start(&self) -> Child {
         Command::new(std::env::current_exe().unwrap())
-            .args(["--ignored", "--exact", "a_child_does_its_runs"])
+            .args(["--ignored", "--exact", "processes::a_child_does_its_runs"])
             .current_dir(self.0.path())
             .stdout(Stdio::null())
             .spawn()

@@ -1,6 +1,4 @@
 //! A record like those of real runs, in its small parts; and workers that share a folder.
-#![allow(dead_code, reason = "not every test program uses all of it")]
-
 use campaign::run_store::{Attempt, CLAIM_LIFE, Lookup, Observation, Record, Store};
 use serde_json::json;
 use std::path::Path;

@@ -1,9 +1,7 @@
 //! A store returns exactly the records that were put into it.
 
-mod common;
-
+use crate::common::record;
 use campaign::run_store::{Error, Lookup, Observation, Record, Store};
-use common::record;
 use serde_json::json;
 use std::fs;
 

@@ -5,12 +5,10 @@
     reason = "a failed step fails its test"
 )]
 
-mod common;
-
+use crate::common::record;
 use campaign::run_store::{
     Lookup, Observation, Record, SCHEMA, Store, seal, seal_text, seal_without, unseal, unseal_text,
 };
-use common::record;
 use serde_json::json;
 use std::fs;
 use std::path::PathBuf;

@@ -5,10 +5,8 @@
     reason = "a failed step fails its test"
 )]
 
-mod common;
-
+use crate::common::{RUNS, record, work_through};
 use campaign::run_store::{Attempt, CLAIM_LIFE, Claim, Error, Lookup, Store};
-use common::record;
 use std::fs;
 use std::path::PathBuf;
 use std::sync::Barrier;
@@ -239,17 +237,17 @@ fn many_workers_do_each_run_once() {
         for worker in 0..64 {
             let (folder, done) = (folder.path(), &done);
             scope.spawn(move || {
-                let n = common::work_through(folder, worker);
+                let n = work_through(folder, worker);
                 done.fetch_add(n, Ordering::SeqCst);
             });
         }
     });
-    assert_eq!(done.into_inner(), common::RUNS);
+    assert_eq!(done.into_inner(), RUNS);
     let store = Store::open(folder.path()).unwrap();
-    for seed in 0..common::RUNS as u64 {
+    for seed in 0..RUNS as u64 {
         let written = record(seed);
         let found = store.get(written.key()).unwrap();
         assert_eq!(found, Lookup::Found(written));
     }
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), common::RUNS);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), RUNS);
 }
