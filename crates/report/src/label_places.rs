@@ -81,8 +81,8 @@ impl LabelPlaces {
         }
     }
 
-    /// Writes a name along a horizontal line at the height `y`, above or below it, where nothing
-    /// else stands; at its right end above it where there is no such place.
+    /// Writes a name along a horizontal line at the height `y`, above or below it, at a place that
+    /// is still free; at its right end above it if there is no such place.
     pub(crate) fn write_on_level(&mut self, canvas: &mut Canvas, y: f64, name: &str) {
         let width = text_width(name, SMALL_TEXT);
         let free = self.area.width() - width - 8.0;
@@ -114,7 +114,7 @@ impl LabelPlaces {
         }
     }
 
-    /// Writes a name along a line where nothing else is; nothing if there is no room.
+    /// Writes a name along a line at a free place; nothing if there is none.
     pub(crate) fn write_along(&mut self, canvas: &mut Canvas, line: &[Point], name: &str) {
         let size = SMALL_TEXT - 1.0;
         let width = text_width(name, size);

@@ -59,7 +59,7 @@ struct Walk<'a> {
     columns: usize,
     /// Number of rows with the rim.
     rows: usize,
-    /// For each edge the one that follows on the line, if the line goes on from there.
+    /// For each edge the one that follows on the line, if the line continues from there.
     next: Vec<Option<Edge>>,
     /// Whether a line comes to the edge.
     reached: Vec<bool>,

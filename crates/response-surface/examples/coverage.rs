@@ -26,7 +26,7 @@ fn truth(x: &[f64]) -> f64 {
         - 0.25075 * f * f
 }
 
-/// A point of the true contour: E and B at random, F by bisection where there is one.
+/// A point of the true contour: E and B at random, F by bisection if there is one.
 fn contour_point(stream: &mut Stream) -> Vec<f64> {
     loop {
         let (b, e) = (stream.between(-1.0, 1.0), stream.between(-1.0, 1.0));

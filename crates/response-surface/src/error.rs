@@ -1,4 +1,4 @@
-//! What can be wrong with a model, the data or a question to the fit.
+//! Errors of a model, the data or a question to the fit.
 
 use thiserror::Error;
 
@@ -39,7 +39,7 @@ pub enum Error {
     /// A model without intercept is asked for where it makes no sense.
     #[error("{what}; leave the 0 out of the formula")]
     NoIntercept {
-        /// What is wrong.
+        /// The fault.
         what: &'static str,
     },
     /// The brackets of a formula are nested too deeply.
@@ -66,7 +66,7 @@ pub enum Error {
         /// Symbols of the factors given, comma separated.
         given: String,
     },
-    /// The powers of a factor in its unit are no numbers.
+    /// The powers of a factor in its unit overflow.
     #[error(
         "the factor '{symbol}' runs from {low:e} to {high:e}: its power {power} in the model is beyond the numbers \
          that can be squared; give it in another unit"

@@ -51,7 +51,7 @@ pub enum Weighting {
     ShrunkVariance,
 }
 
-/// Which variance stands for the error.
+/// Which variance represents the error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ErrorSource {
@@ -77,6 +77,19 @@ pub struct ErrorVariance {
 }
 
 /// A fitted model. Sums of squares are in squared units of the response.
+///
+/// ```
+/// use experiment_design::Factor;
+/// use response_surface::{Model, Observations, fit};
+/// let factors = [Factor::new("B", "friction", "1", 0.2, 0.6)?];
+/// let runs = [vec![-1.0], vec![0.0], vec![1.0], vec![1.0]];
+/// let data = Observations::from_runs(&runs, &[30.0, 33.0, 36.2, 35.8])?;
+/// let line = fit(&factors, &Model::linear(&factors)?, &data)?;
+/// // 3 deg per half-range, and the prediction for a friction of 0.5.
+/// assert!((line.coefficients()[1] - 3.0).abs() < 1e-12);
+/// assert!((line.value(&line.coded(&[0.5])) - 34.5).abs() < 1e-12);
+/// # Ok::<(), response_surface::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Fit {
     /// The factors in column order.
@@ -307,7 +320,7 @@ impl Fit {
     }
 
     /// Number of runs whose mean has weight 1: the variance of a run over that of such a mean, or the mean number
-    /// of runs in a cell where no replicates tell.
+    /// of runs in a cell if there are no replicates.
     pub fn runs_of_unit_weight(&self) -> f64 {
         let of = |r: &Replicates| r.pooled_within_var / r.var_of_run_mean;
         let seen = self.replicates.as_ref().map(of);
@@ -315,7 +328,7 @@ impl Fit {
             .unwrap_or(self.mean_count)
     }
 
-    /// The chosen error variance of a cell mean of weight 1; none where it is undefined.
+    /// The chosen error variance of a cell mean of weight 1; `None` if undefined.
     pub fn error_variance(&self, source: ErrorSource) -> Option<ErrorVariance> {
         let within = self.replicates.as_ref().map(|r| (r.var_of_run_mean, r.df));
         let between = self.pure_error.as_ref().map(|pure| (pure.ms, pure.df));
@@ -337,7 +350,7 @@ impl Fit {
         })
     }
 
-    /// The error variance to use where nothing else is asked for: all repeats if there are any,
+    /// The error variance to use if nothing else is asked for: all repeats if there are any,
     /// otherwise the residuals; none if both are undefined.
     pub fn best_error_variance(&self) -> Option<ErrorVariance> {
         self.error_variance(ErrorSource::AllRepeats)
@@ -484,7 +497,7 @@ pub(crate) fn positive_df(df: usize) -> Option<f64> {
     (df > 0).then_some(df as f64)
 }
 
-/// a / b; none where it is not finite.
+/// a / b; `None` if it is not finite.
 pub(crate) fn ratio(a: f64, b: f64) -> Option<f64> {
     Some(a / b).filter(|q| q.is_finite())
 }

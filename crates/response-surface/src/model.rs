@@ -70,6 +70,16 @@ impl Term {
 
 /// Terms in hierarchical order: intercept, main effects, two-factor interactions, squares, then by
 /// degree.
+///
+/// ```
+/// use experiment_design::Factor;
+/// use response_surface::Model;
+/// let factors = [Factor::coded_only("A")?, Factor::coded_only("B")?];
+/// let model = Model::parse("A*B + A^2", &factors)?;
+/// assert_eq!(model.to_string(), "1 + A + B + A:B + A^2");
+/// assert_eq!(model.row(&[2.0, 3.0]), [1.0, 2.0, 3.0, 6.0, 4.0]);
+/// # Ok::<(), response_surface::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "ModelText", try_from = "ModelText")]
 pub struct Model {
@@ -81,7 +91,7 @@ pub struct Model {
     entry: Vec<usize>,
 }
 
-/// A model as it stands in a file.
+/// A model as it is in a file.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct ModelText {
     /// Symbols of the factors.
@@ -399,7 +409,7 @@ impl fmt::Display for Model {
     }
 }
 
-/// A power as it stands raised behind its symbol; nothing for the first.
+/// A power as the raised text behind its symbol; empty for the first.
 fn raised(power: u8) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     if power == 1 {

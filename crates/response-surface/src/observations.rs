@@ -66,6 +66,15 @@ impl Cell {
 type Group<'a> = (&'a [f64], Vec<f64>);
 
 /// Cells of data, checked: all values finite, all rows equally long.
+///
+/// ```
+/// use response_surface::Observations;
+/// // Three runs at two settings: the repeats become one cell.
+/// let data = Observations::from_runs(&[vec![-1.0], vec![1.0], vec![1.0]], &[30.1, 34.8, 35.2])?;
+/// assert_eq!(data.cells().len(), 2);
+/// assert_eq!((data.cells()[1].mean, data.cells()[1].n), (35.0, 2));
+/// # Ok::<(), response_surface::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Observations {
     /// The cells in their order.
@@ -99,7 +108,7 @@ impl Observations {
     /// # Errors
     /// [`Error::Length`] without cells or with rows of different length;
     /// [`Error::BadObservation`] for values that are not finite, a negative sd, or n = 0, and for responses whose
-    /// squares are no numbers: beyond [`Observations::LARGEST`], or all below [`Observations::SMALLEST`]; for an sd that is no
+    /// squares are not numbers: beyond [`Observations::LARGEST`], or all below [`Observations::SMALLEST`]; for an sd that is not a
     /// scatter of such responses ([`Observations::is_plausible_sd`]), or more than a million runs in a cell.
     pub fn from_cells(cells: Vec<Cell>) -> Result<Self, Error> {
         let Some(first) = cells.first() else {
@@ -281,7 +290,7 @@ fn check_cell(row: usize, cell: &Cell) -> Result<(), Error> {
         return refuse(
             what,
             value,
-            "squares of numbers beyond 1e140 are no numbers here; give it in a larger unit",
+            "squares of numbers beyond 1e140 overflow; give it in a larger unit",
         );
     }
     if !(1..=Observations::MOST_REPLICATES).contains(&cell.n) {

@@ -133,7 +133,7 @@ mod tests {
     use experiment_design::{Factor, latin_hypercube};
 
     /// Rolling where A + B > 0: half of the box. The boundary must be found to a few per cent, and
-    /// points far on each side must be told apart.
+    /// points far on each side must be distinguished.
     #[test]
     fn a_straight_boundary_is_found() {
         let factors = ["A", "B"].map(|s| Factor::coded_only(s).unwrap());

@@ -39,6 +39,19 @@ pub struct Measured {
 }
 
 /// The question to the surface.
+///
+/// ```
+/// use experiment_design::Factor;
+/// use response_surface::solutions::{SolutionRequest, solutions};
+/// use response_surface::{Model, Observations, fit};
+/// let factors = [Factor::new("B", "friction", "1", 0.2, 0.6)?];
+/// let data = Observations::from_runs(&[vec![-1.0], vec![0.0], vec![1.0]], &[30.0, 33.0, 36.0])?;
+/// let surface = fit(&factors, &Model::linear(&factors)?, &data)?;
+/// let found = solutions(&surface, &SolutionRequest::for_target(34.5))?;
+/// let nearest = found.nearest.get("coded").unwrap();
+/// assert!((nearest.solution[0] - 0.5).abs() < 1e-9);
+/// # Ok::<(), response_surface::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SolutionRequest {
     /// Value that the response should have, unit of the response.
@@ -84,12 +97,12 @@ pub struct Solutions {
     /// The part of each range on which there are solutions; none if there is no solution.
     pub factor_ranges: Option<NamedValues<FactorRange>>,
     /// The connected parts of the set, largest first: two of them are two kinds of answer. Empty if there
-    /// is no solution or if all lie within a cell of the grid; none for more than seven factors.
+    /// is not a solution or if all lie within a cell of the grid; `None` for more than seven factors.
     #[serde(default)]
     pub branches: Option<Vec<Branch>>,
     /// The solutions nearest to the given values by metric: `sd` and `standard_error` (differences
     /// over those of the measurements) and `coded` (over the half-ranges). Empty if there is no
-    /// solution; `coded` refers to the middle of the ranges where nothing is given.
+    /// solution; `coded` refers to the middle of the ranges if no values are given.
     pub nearest: NamedValues<Nearest>,
     /// The error variance that the region is made with; none if it is undefined.
     pub error: Option<ErrorVariance>,

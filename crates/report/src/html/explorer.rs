@@ -91,7 +91,7 @@ pub struct ExploredSurface {
     pub error_variance: Option<f64>,
     /// Two-sided 5 % limit of Student's t.
     pub t_limit: Option<f64>,
-    /// What was measured; none where it was not.
+    /// What was measured; `None` if it was not.
     pub measured: Option<ExploredTarget>,
     /// Ends of the axis of its picture, unit of the surface.
     pub axis: [f64; 2],
@@ -184,7 +184,7 @@ impl ExploredSurface {
     }
 
     /// The row of the table, with what was measured where the table has columns for it. The script fills the cells with a class
-    /// anew.
+    /// again.
     fn row(&self, is_measured: bool) -> String {
         let shown = &self.prediction;
         let ends = |ends: Option<[f64; 2]>| match ends {
@@ -295,7 +295,7 @@ fn cell(class: &str, text: &str) -> String {
 const MEASURED: &str = "<th scope=\"col\" class=\"right\">measured</th><th scope=\"col\">inside</th>\
      <th scope=\"col\" class=\"right\">z</th>";
 
-/// What stands for nothing.
+/// Text of an empty cell.
 const DASH: &str = "–";
 
 /// A number of standard errors with its sign.
@@ -380,7 +380,7 @@ mod tests {
         );
     }
 
-    /// Where nothing was measured the columns for it would hold dashes alone; heads and cells stay alike in number.
+    /// The columns of measurements are left out if there are none; heads and cells stay alike in number.
     #[test]
     fn without_measurements_there_are_no_columns_for_them() {
         let mut unmeasured = explorer();

@@ -4,7 +4,7 @@ use super::script::data_element;
 use crate::escape::escaped;
 use serde::Serialize;
 
-/// What is told by pointing at places.
+/// Texts shown by pointing at places.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Pointed {
@@ -28,7 +28,7 @@ pub struct PointingTool<'a> {
     pub what: &'a str,
     /// The flag that states it.
     pub flag: &'a str,
-    /// What is told.
+    /// The text of each place.
     pub told: Pointed,
 }
 
@@ -39,7 +39,7 @@ pub struct PointingPicture<'a> {
     pub bytes: &'a [u8],
     /// What is seen, for readers who cannot see it.
     pub description: &'a str,
-    /// Pixels along x and y of the picture that the places are told in; the one that is shown may be smaller. The centre of
+    /// Pixels along x and y of the picture in which the places are given; the one that is shown may be smaller. The centre of
     /// the first pixel is (0, 0), y down.
     pub size: [u32; 2],
     /// What can be pointed at.

@@ -43,6 +43,17 @@ impl Column {
 }
 
 /// A table in which every row has one entry for each column.
+///
+/// ```
+/// use report::{Column, Report, Table};
+/// let columns = vec![Column::text("parameter"), Column::number("value")];
+/// let mut table = Table::new("Estimate", columns)?;
+/// table.row(["friction", "0.41 +- 0.02"])?;
+/// let mut report = Report::new("Drum");
+/// report.section("Result").table(&table);
+/// assert!(report.html().contains("0.41 +- 0.02"));
+/// # Ok::<(), report::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Table {
     /// What the table shows, plain text.

@@ -50,7 +50,7 @@ impl ViewerBody {
     }
 }
 
-/// Bodies for the viewer, z upwards, and the picture that stands for them where it cannot run.
+/// Bodies for the viewer, z upwards, and the picture that represents them where it cannot run.
 #[derive(Debug, Clone, Copy)]
 pub struct SphereViewer<'a> {
     /// The kinds of bodies.

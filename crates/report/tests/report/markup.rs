@@ -34,7 +34,7 @@ impl Element {
 /// Elements of HTML that have no end.
 const VOID: [&str; 2] = ["meta", "img"];
 
-/// All elements in order; an error tells what is not well formed.
+/// All elements in order; an error reports what is not well formed.
 pub(crate) fn elements(markup: &str) -> Result<Vec<Element>, String> {
     let mut rest = markup.strip_prefix("<!DOCTYPE html>\n").unwrap_or(markup);
     let mut all: Vec<Element> = Vec::new();

@@ -104,7 +104,7 @@ fn page_needs_nothing_from_outside() {
     }
     assert!(
         page.contains("default-src 'none'"),
-        "the browser is told to refuse anything else"
+        "the browser is asked to refuse anything else"
     );
 }
 

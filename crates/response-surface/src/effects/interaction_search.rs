@@ -69,7 +69,7 @@ pub fn interaction_search(
     terms.extend(active.iter().map(|symbol| (*symbol).to_owned()));
     let fitted = |terms: &[String]| {
         let model = Model::parse(&terms.join(" + "), factors).ok()?;
-        // A term that the runs cannot separate from the others is no candidate.
+        // A term that the runs cannot separate from the others is not a candidate.
         let fit = fit_weighted(factors, &model, data, weighting).ok()?;
         let aicc = fit.information.as_ref()?.aicc?;
         Some((aicc, fit))

@@ -13,7 +13,7 @@ pub struct Screening {
     /// Main effects of the factors, the dummy columns as error.
     pub main_effects: Fit,
     /// All columns as effects; none if the design is not saturated and orthogonal (fold-over,
-    /// failed runs, unequal weights are no hindrance to `main_effects`).
+    /// failed runs and unequal weights do not hinder `main_effects`).
     pub saturated: Option<Saturated>,
     /// Pareto chart; none without dummy columns.
     pub pareto: Option<Pareto>,

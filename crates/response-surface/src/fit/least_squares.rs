@@ -92,7 +92,7 @@ pub(crate) fn least_squares(
     })
 }
 
-/// Condition number of the scaled columns; none where it is not finite.
+/// Condition number of the scaled columns; `None` if it is not finite.
 pub(crate) fn condition(solved: &LeastSquares) -> Option<f64> {
     let p = solved.triangle.len();
     let triangle =

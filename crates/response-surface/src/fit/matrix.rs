@@ -100,7 +100,7 @@ impl Matrix {
                 row: i + 1,
                 what: "a product of its coded settings",
                 value,
-                way_out: "squares of numbers beyond 1e140 are no numbers here; give the range of the factor",
+                way_out: "squares of numbers beyond 1e140 overflow; give the range of the factor",
             });
         }
         Ok(Self {

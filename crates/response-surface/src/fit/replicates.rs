@@ -109,7 +109,7 @@ pub(crate) fn replicates(
 /// Scatter of runs over the size of their mean, below which it is rounding: they do not scatter.
 pub(crate) const ROUNDING: f64 = 1e-12;
 
-/// Variance of the runs of a cell, 0 where it is rounding; none where it is not known.
+/// Variance of the runs of a cell, 0 where it is rounding; `None` if it is not known.
 fn variance_of(cell: &crate::Cell) -> Option<f64> {
     let sd = cell.sd?;
     let scatters = sd > ROUNDING * cell.mean.abs();

@@ -39,7 +39,7 @@ impl Wide {
     }
 
     /// The number that a decimal text such as `1000000000000.4` or `-2.5e-3` names, to about 31 digits;
-    /// none if the text is no finite number.
+    /// `None` if the text is not a finite number.
     ///
     /// A number of the usual length holds 16 digits, so 12 of the digits of 1000000000000.4 stand
     /// before the point and the 4 behind it is off by up to 6e-5.

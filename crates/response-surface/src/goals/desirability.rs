@@ -51,6 +51,17 @@ pub enum Aim {
 }
 
 /// An aim with its weights.
+///
+/// ```
+/// use response_surface::{Aim, Goal};
+/// let goal = Goal {
+///     aim: Aim::Target { low: 30.0, value: 36.0, high: 40.0 },
+///     weight: 1.0,
+///     importance: 3.0,
+/// };
+/// assert_eq!(goal.desirability(33.0), 0.5);
+/// assert_eq!(goal.desirability(41.0), 0.0);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Goal {
     /// What the response should be.

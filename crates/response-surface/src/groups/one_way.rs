@@ -22,7 +22,7 @@ pub struct OneWay {
     pub within_ss: f64,
     /// Number of runs less the number of groups.
     pub within_df: usize,
-    /// Mean square between over mean square within; none where it is undefined.
+    /// Mean square between over mean square within; `None` if undefined.
     pub f: Option<f64>,
     /// Upper tail of F.
     pub p: Option<f64>,
@@ -41,7 +41,7 @@ pub struct OneWay {
 ///
 /// # Errors
 /// [`Error::Length`] for lists of different length, no runs, or fewer than two groups;
-/// [`Error::BadObservation`] for a response that is not finite or whose square is no number.
+/// [`Error::BadObservation`] for a response that is not finite or whose square is not a number.
 pub fn one_way(groups: &[String], responses: &[f64]) -> Result<OneWay, Error> {
     let wide = |(i, &y): (usize, &f64)| {
         if y.is_finite() {
@@ -57,7 +57,7 @@ pub fn one_way(groups: &[String], responses: &[f64]) -> Result<OneWay, Error> {
 /// digit of the table is lost to storage.
 ///
 /// # Errors
-/// As [`one_way`]; [`Error::BadObservation`] for a text that is no finite number.
+/// As [`one_way`]; [`Error::BadObservation`] for a text that is not a finite number.
 pub fn one_way_decimals(groups: &[String], responses: &[&str]) -> Result<OneWay, Error> {
     let wide = |(i, text): (usize, &&str)| {
         Wide::from_decimal(text).ok_or_else(|| not_finite(i, text.parse().unwrap_or(f64::NAN)))
@@ -107,7 +107,7 @@ fn of_wide(groups: &[String], responses: &[Wide]) -> Result<OneWay, Error> {
             row: i + 1,
             what: "the response",
             value: responses[i].rounded(),
-            way_out: "squares of numbers beyond 1e140 are no numbers here; give it in a larger unit",
+            way_out: "squares of numbers beyond 1e140 overflow; give it in a larger unit",
         });
     }
     let lists: Vec<&[Wide]> = named.iter().map(|(_, list)| &list[..]).collect();

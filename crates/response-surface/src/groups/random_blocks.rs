@@ -65,7 +65,7 @@ pub struct RandomBlockTerm {
 ///
 /// # Errors
 /// Those of [`crate::fit_weighted`]; [`Error::Length`] for fewer than two blocks;
-/// [`Error::TooFewObservations`] without residual degrees of freedom; [`Error::NoErrorVariance`] where
+/// [`Error::TooFewObservations`] without residual degrees of freedom; [`Error::NoErrorVariance`] if
 /// nothing is left to scatter.
 pub fn random_blocks(
     factors: &[Factor],

@@ -69,7 +69,7 @@ struct Reader<'a> {
     as_they_are: Vec<Term>,
 }
 
-/// What a part of a formula stands for.
+/// What a part of a formula represents.
 struct Part {
     terms: Vec<Term>,
     /// Whether it is one term as written, so that the same one a second time is a slip.
@@ -77,7 +77,7 @@ struct Part {
 }
 
 impl Reader<'_> {
-    /// The next character that is no space.
+    /// The next character that is not a space.
     fn peek(&self) -> Option<char> {
         self.rest.trim_start().chars().next()
     }

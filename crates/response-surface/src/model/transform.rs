@@ -25,7 +25,7 @@ pub enum Transform {
 }
 
 impl Transform {
-    /// The value on the scale of the fit; none outside its domain or where it is no finite number.
+    /// The value on the scale of the fit; `None` outside its domain or if it is not finite.
     pub fn forward(self, y: f64) -> Option<f64> {
         let inside = match self {
             Self::Sqrt => y >= 0.0,
@@ -41,7 +41,7 @@ impl Transform {
         Some(value).filter(|value| inside && value.is_finite())
     }
 
-    /// The response at a value of the fit; none where no response has it, such as a square root below zero.
+    /// The response at a value of the fit; `None` if no response has that value, such as a square root below zero.
     pub fn back(self, z: f64) -> Option<f64> {
         let value = match self {
             Self::Ln => z.exp(),
@@ -136,7 +136,7 @@ impl FromStr for Transform {
             ("inverse", _) => Ok(Self::Inverse),
             (_, Some(power)) => Ok(Self::Power(power)),
             _ => Err(format!(
-                "'{text}' is no transformation; write ln, log10, sqrt, inverse or power:P with P other than 0"
+                "'{text}' is not a transformation; write ln, log10, sqrt, inverse or power:P with P other than 0"
             )),
         }
     }

@@ -24,7 +24,7 @@ pub struct Order {
     pub aliased: Vec<String>,
     /// Sum of squares that the order adds to the one before.
     pub added_ss: f64,
-    /// Test of what it adds against what it leaves; none where it adds nothing.
+    /// Test of what it adds against what it leaves; `None` if it adds nothing.
     pub added: Option<FTest>,
     /// Sum of squares of its residuals.
     pub sse: f64,
@@ -63,7 +63,7 @@ pub struct Orders {
 /// One orthogonal basis of the highest order serves all: its leading columns span the lower ones.
 ///
 /// # Errors
-/// Those of [`crate::fit_weighted`] for the weights and the factors; aliased terms are no error
+/// Those of [`crate::fit_weighted`] for the weights and the factors; aliased terms are not an error
 /// here, they are named.
 pub fn orders(
     factors: &[Factor],

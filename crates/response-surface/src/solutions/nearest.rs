@@ -23,7 +23,7 @@ const NEARER: f64 = 1e-5;
 /// A solution and its distance from given values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Nearest {
-    /// Length that counts as one for each factor, unit of the factor; none where nothing is given.
+    /// Length that counts as one for each factor, unit of the factor; `None` if no errors are given.
     pub scale: Vec<Option<f64>>,
     /// Natural point, units of the factors.
     pub solution: Vec<f64>,
@@ -63,7 +63,7 @@ type Length<'a> = &'a dyn Fn(&Measured, &Factor) -> Option<f64>;
 pub(crate) struct NamedMetric {
     /// `sd`, `standard_error` or `coded`.
     pub(crate) name: &'static str,
-    /// Measured values, the middle of the ranges where nothing is given.
+    /// Measured values; the middle of the ranges if none are given.
     pub(crate) near: Vec<Option<Measured>>,
     /// Lengths, units of the factors.
     pub(crate) scale: Vec<Option<f64>>,

@@ -73,7 +73,7 @@ impl DataRegion {
     /// A coordinate from the middle of the box in half-widths; of a factor that never varies 0 at its value.
     fn scaled(&self, natural: &[f64], j: usize) -> f64 {
         let (low, high, u) = (self.low[j], self.high[j], natural[j]);
-        // Halved before they are added: the sum of two large ends is no number.
+        // Halved before they are added: the sum of two large ends may overflow.
         let (middle, half) = (low / 2.0 + high / 2.0, high / 2.0 - low / 2.0);
         if half <= SLACK * middle.abs() {
             // Of a factor that never varies another value is far away.
@@ -105,7 +105,7 @@ pub struct OpenBound {
     pub symbol: String,
     /// The bound, unit of the factor.
     pub bound: f64,
-    /// How far the data go on that side, unit of the factor.
+    /// How far the data extend on that side, unit of the factor.
     pub data: f64,
 }
 
@@ -119,7 +119,7 @@ impl Fit {
         }
     }
 
-    /// The bounds that a coded point lies on although the data go on beyond them.
+    /// The bounds that a coded point lies on although the data extend beyond them.
     pub fn open_bounds(&self, coded: &[f64]) -> Vec<OpenBound> {
         let Some(region) = &self.data_region else {
             return Vec::new();

@@ -30,7 +30,7 @@ pub(crate) fn natural_terms(
                 .or_insert_with(|| vec![Wide::ZERO; coefficients.len()])[j] += amount;
         }
     }
-    // What only zeros contribute to is no term, such as the intercept of a model through the natural zero.
+    // A coefficient that is a sum of zeros is not a term, such as the intercept of a model through the natural zero.
     map.retain(|_, parts| parts.iter().any(|part| *part != Wide::ZERO));
     let wide = |values: &[f64]| -> Vec<Wide> { values.iter().map(|&v| Wide::from(v)).collect() };
     let covariance: Vec<Vec<Wide>> = covariance.iter().map(|line| wide(line)).collect();
@@ -79,7 +79,7 @@ pub(crate) fn rebased(
             map.entry(powers).or_insert_with(|| vec![0.0; p])[j] += amount.rounded();
         }
     }
-    // What only zeros contribute to is no term, but for the intercept.
+    // A coefficient that is a sum of zeros is not a term, except the intercept.
     map.retain(|powers, parts| {
         powers.iter().all(|power| *power == 0) || parts.iter().any(|part| *part != 0.0)
     });

@@ -30,7 +30,7 @@ pub struct FactorShare {
 pub struct Share {
     /// The share, 0 to 1.
     pub share: f64,
-    /// The share that the errors of the coefficients alone would make on average, by the residuals; none where none are
+    /// The share that the errors of the coefficients alone would make on average, by the residuals; `None` if there are none
     /// left.
     pub by_noise: Option<f64>,
 }

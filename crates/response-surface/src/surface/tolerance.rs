@@ -77,7 +77,7 @@ impl Fit {
 
 /// The factor k of a two-sided tolerance interval `mean +- k s`: the mean has the variance `share`
 /// times that of a run, s^2 has `df` degrees of freedom, `content` and `confidence` lie above 0 and
-/// below 1; none where it is undefined.
+/// below 1; `None` if undefined.
 ///
 /// # Formula
 /// k solves `integral phi(z) P(chi2_df >= df r(z)^2 / k^2) dz = confidence`, where r(z) solves

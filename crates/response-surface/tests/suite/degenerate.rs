@@ -163,7 +163,7 @@ fn the_nearest_solution_of_a_plane_is_its_foot() {
     }
 }
 
-/// In the half fraction D = ABC every two-factor interaction stands for another (AB for CD) and each main effect for
+/// In the half fraction D = ABC every two-factor interaction is aliased with another (AB with CD) and each main effect for
 /// a product of three: coefficients of 1 in the alias matrix, exact but for rounding. A full factorial has none but the
 /// squares, which are constant over two levels.
 #[test]

@@ -70,7 +70,7 @@ fn assert_within(got: &Value, expected: &Value, place: &str, skip: &[&str]) {
         Value::Array(list) => {
             let got = got
                 .as_array()
-                .unwrap_or_else(|| panic!("{place} is no list"));
+                .unwrap_or_else(|| panic!("{place} is not a list"));
             assert_eq!(got.len(), list.len(), "length of {place}");
             for (i, (got, value)) in got.iter().zip(list).enumerate() {
                 assert_within(got, value, &format!("{place}[{i}]"), skip);

@@ -88,7 +88,7 @@ fn pairs_of_groups_agree_with_r() {
     }
 }
 
-/// A table fitted with the given factors and, where there is one, its column of blocks.
+/// A table fitted with the given factors and, if there is one, its column of blocks.
 fn fitted(name: &str, symbols: &[&str], formula: &str) -> Fit {
     let table = table(name);
     let y = table.column("y").unwrap();

@@ -1,4 +1,4 @@
-//! Answers that are no single point: branches, open regions, scatter of the nearest solution, and the
+//! Answers that are not a single point: branches, open regions, scatter of the nearest solution, and the
 //! solution that scattering factors hurt least.
 
 #![expect(
