@@ -59,7 +59,14 @@ pub enum Entry {
     Camera,
 }
 
-/// An effect: what is known of it, and the edit of a scene that switches it on.
+/// An effect: its description, and the edit of a scene that switches it on.
+///
+/// ```
+/// let effect = simulators::effects::find("wall-charge")?;
+/// assert_eq!(effect.range[0], 0.0);
+/// println!("{} in {}: {}", effect.name, effect.unit, effect.physics);
+/// # Ok::<(), simulators::effects::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Effect {
     /// Name in requests and reports.

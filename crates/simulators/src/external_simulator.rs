@@ -1,7 +1,7 @@
 //! Other codes as simulators: LAMMPS, LIGGGHTS, and any command of the user.
 //!
 //! [`PeerSimulator`] lets LAMMPS or LIGGGHTS do the mechanics of the scenes here, by the exported decks. Start-up, steady state and
-//! the surface follow the same rules and the same ruler as the runs here: the code is told to go on for as long as the bed
+//! the surface follow the same rules and the same ruler as the runs here: the code is asked to continue for as long as the bed
 //! asks for.
 //!
 //! [`CommandSimulator`] runs any program: it gets the values of parameters and conditions as `name=value`, in its environment, in

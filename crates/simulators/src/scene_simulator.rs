@@ -2,7 +2,7 @@
 //!
 //! [`SceneSimulator`] makes a [`campaign::Simulator`] of named scenes: a request names a scene, sets parameters
 //! by their symbols, conditions and amplitudes of effects, and gets observables. A [`Binding`] says which settings
-//! of a scene a symbol stands for. [`RunDetails`] is what a record keeps beside the observables, and a
+//! of a scene a symbol represents. [`RunDetails`] is what a record keeps beside the observables, and a
 //! [`ParameterFile`] hands calibrated values from one command to the next.
 //!
 //! Invariants:

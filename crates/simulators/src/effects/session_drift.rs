@@ -8,7 +8,7 @@ use scene::{FillingLibrary, Scene};
 pub(crate) const EFFECT: Effect = Effect {
     name: "session-drift",
     physics: "Coats wear off, seeds dry, dust gathers: conditions that were measured late \
-              differ from early ones although nobody changed a setting. It is told from an \
+              differ from early ones although nobody changed a setting. It is distinguished from an \
               effect of the speed only where the order of the measurements was random.",
     formula: "mu = (1 + amplitude x session) x declared coefficient of static friction of \
               every contact; session is 0 at the start and 1 at the end",

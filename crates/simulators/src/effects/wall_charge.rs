@@ -10,7 +10,7 @@ pub(crate) const EFFECT: Effect = Effect {
               wall by its image, whatever its sign. Seeds stick to shell and covers and \
               are carried higher. With charges of both signs the forces between seeds \
               cancel in the mean and are left out; on an insulating wall the amplitude \
-              stands for q sqrt((eps - 1)/(eps + 1)).",
+              represents q sqrt((eps - 1)/(eps + 1)).",
     formula: "F = q^2/(16 pi eps0 s^2) towards shell and covers, s the distance of the \
               centre; the amplitude adds to q",
     unit: "nC",

@@ -17,7 +17,7 @@ pub(crate) enum Part {
 ///
 /// # Errors
 ///
-/// Another apparatus; the message tells that the effect named needs a drum.
+/// Another apparatus; the message says that the named effect needs a drum.
 pub(crate) fn drum_of<'a>(
     scene: &'a mut Scene,
     effect: &'static str,
@@ -26,7 +26,7 @@ pub(crate) fn drum_of<'a>(
         Apparatus::Drum(drum) => Ok(drum),
         _ => Err(Error::Setting {
             name: effect,
-            reason: "the apparatus is no drum; leave this effect out for it".into(),
+            reason: "the apparatus is not a drum; leave this effect out for it".into(),
         }),
     }
 }

@@ -71,7 +71,7 @@ fn rows(scene: &Scene, frame: &Frame, bodies: &[Arc<SeedBody>]) -> String {
 ///
 /// # Errors
 ///
-/// A table of other columns, a cell that is no number.
+/// A table of other columns, a cell that is not a number.
 pub fn read(text: &str, file: &str) -> Result<Vec<Moment>, Error> {
     let mut reader = ReaderBuilder::new()
         .flexible(true)

@@ -73,7 +73,7 @@ pub(crate) fn restitution_of_body(restitution: f64, mass_share: f64) -> f64 {
 pub(crate) const DASHPOTS_THERE: &str = "calibrate with model.dashpot_mass = \"sphere\" or \"body\" and without \
                                          model.whole_seed_damping: there a dashpot knows the mass of a sphere or of a body";
 
-/// The dashpots of a scene that other codes lack: those that share the mass which a push moves; none where it has others.
+/// The dashpots of a scene that other codes lack: those that share the mass which a push moves; `None` if it has others.
 pub(crate) fn whole_seed_damping(scene: &Scene) -> Option<String> {
     let share = scene.model.whole_seed_damping;
     if scene.model.dashpot_mass == DashpotMass::Shared {

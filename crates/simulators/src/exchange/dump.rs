@@ -12,7 +12,7 @@ const BODY: [&str; 3] = ["mol", "id_multisphere", "body"];
 ///
 /// # Errors
 ///
-/// Text that is no dump, a missing column, a cell that is no number.
+/// Text that is not a dump, a missing column, a cell that is not a number.
 pub fn read(text: &str, file: &str, first_line: usize) -> Result<Vec<Moment>, Error> {
     let lines: Vec<&str> = text.lines().collect();
     if lines.is_empty() && first_line == 1 {
@@ -36,7 +36,7 @@ pub fn read(text: &str, file: &str, first_line: usize) -> Result<Vec<Moment>, Er
             what: what.to_owned(),
         };
         if at == 0 && !item(0).starts_with("ITEM: TIMESTEP") {
-            return Err(other("it is no dump, which begins with ITEM: TIMESTEP"));
+            return Err(other("it is not a dump, which begins with ITEM: TIMESTEP"));
         }
         if item(8).starts_with("ITEM: ENTRIES") {
             return Err(other(

@@ -122,7 +122,7 @@ fn runnable(scene: &Scene) -> Result<&Drum, Error> {
 ///
 /// # Errors
 ///
-/// As of [`setup`]; of the restitution of seeds of several spheres, which hangs on their bodies, only there.
+/// Those of [`setup`], and that of the restitution of agglomerates, which depends on their bodies.
 pub fn check(scene: &Scene) -> Result<(), Error> {
     let drum = runnable(scene)?;
     let whole = scene.model.dashpot_mass != DashpotMass::Sphere;
@@ -569,7 +569,7 @@ mod tests {
             let scene = Scene::read(&fixture("peers-study/spheres.toml"), &set).unwrap();
             let (_, bodies, step) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
             let deck = deck(&scene, &bodies, step, 1).map(|files| files[0].text.clone());
-            // What hangs on no body is known before there is one.
+            // This much needs no body, and is checked before one is made.
             assert_eq!(check(&scene).is_ok(), deck.is_ok());
             deck
         };

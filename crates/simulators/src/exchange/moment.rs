@@ -19,16 +19,26 @@ pub struct BedSphere {
     pub body: usize,
     /// Where it is and how large, m.
     pub sphere: Sphere,
-    /// Velocity of its centre, m/s; none where the file does not tell.
+    /// Velocity of its centre, m/s; `None` if the file does not contain it.
     pub velocity: Option<Vector3<f64>>,
 }
 
 /// The spheres at the surface of all seeds at one moment.
+///
+/// ```
+/// // A dump of LAMMPS or LIGGGHTS with one sphere of a radius of 2 mm.
+/// let dump = "ITEM: TIMESTEP\n100\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS ff ff ff\n\
+///             0 1\n0 1\n0 1\nITEM: ATOMS id x y z radius\n1 0.1 0.2 0.3 0.002\n";
+/// let moments = simulators::exchange::dump::read(dump, "bed.dump", 1)?;
+/// assert_eq!(moments[0].step, Some(100));
+/// assert_eq!(moments[0].spheres[0].sphere.radius, 0.002);
+/// # Ok::<(), simulators::exchange::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Moment {
-    /// Number of the step; none where the file does not tell.
+    /// Number of the step; `None` if the file does not contain it.
     pub step: Option<u64>,
-    /// Time, s; none where the file does not tell.
+    /// Time, s; `None` if the file does not contain it.
     pub time: Option<f64>,
     /// The spheres.
     pub spheres: Vec<BedSphere>,
@@ -68,7 +78,7 @@ impl Moment {
         self
     }
 
-    /// The surface of the bed in a drum of a radius (m) about the origin; none where it cannot be measured.
+    /// The surface of the bed in a drum of a radius (m) about the origin; `None` if it cannot be measured.
     pub fn surface(&self, radius: f64) -> Option<SurfaceAngle> {
         let drum = DrumCircle {
             x: 0.0,
@@ -86,7 +96,7 @@ impl Moment {
     }
 
     /// 1 less the mean speed along the shell of the spheres that lie within their diameter of it and within 30 deg of the
-    /// middle of the bed, over the speed of a shell of a radius (m) that turns with `spin` (rad/s); none where no such
+    /// middle of the bed, over the speed of a shell of a radius (m) that turns with `spin` (rad/s); `None` if no such
     /// sphere has a velocity, or the shell has none.
     pub fn shell_slip(&self, radius: f64, spin: f64) -> Option<f64> {
         let direction = self.direction();
@@ -106,7 +116,7 @@ impl Moment {
         (count > 0.0 && spin != 0.0).then(|| 1.0 - speed / count / (spin * radius))
     }
 
-    /// Kinetic energy of the spheres over their mass, all alike: `mean v^2 / 2`, J/kg; none where a velocity is not told.
+    /// Kinetic energy of the spheres over their mass, all alike: `mean v^2 / 2`, J/kg; `None` if a velocity is missing.
     pub fn kinetic_energy(&self) -> Option<f64> {
         let squares: Option<Vec<f64>> = self
             .spheres
@@ -137,7 +147,7 @@ impl Moment {
         (self.centre().xy().norm(), mean)
     }
 
-    /// Mean of the centres, m; the origin where there are none.
+    /// Mean of the centres, m; the origin if there are none.
     fn centre(&self) -> Vector3<f64> {
         let sum: Vector3<f64> = self.spheres.iter().map(|s| s.sphere.centre).sum();
         sum / self.spheres.len().max(1) as f64

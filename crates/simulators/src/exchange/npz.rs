@@ -11,7 +11,7 @@
 //! | `spheres_K_m` | (spheres, 4) | x, y, z and radius of the spheres of kind K at the origin, not turned, m |
 //! | `picture` | (frames, height, width, 3) | what the camera sees, red, green, blue, 0 to 255, row 0 at the top |
 //!
-//! A sphere of a seed lies at `position + orientation (x, y, z)`. There is no `picture` where no camera looks at the seeds.
+//! A sphere of a seed lies at `position + orientation (x, y, z)`. There is no `picture` if no camera looks at the seeds.
 //! The file is a ZIP archive of arrays in the NPY format, version 1.0 (`NumPy` Enhancement Proposal 1).
 
 use crate::exchange::Error;

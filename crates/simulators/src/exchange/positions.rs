@@ -11,7 +11,7 @@ use std::path::Path;
 ///
 /// # Errors
 ///
-/// A file that cannot be read, a missing column, a cell that is no number; a file of another kind ([`Error::is_other_kind`]).
+/// A file that cannot be read, a missing column, a cell that is not a number; a file of another kind ([`Error::is_other_kind`]).
 pub fn read_positions(path: &Path) -> Result<Vec<Moment>, Error> {
     let bytes = input::file::read(path).map_err(|source| Error::Read {
         path: path.to_owned(),
@@ -56,7 +56,7 @@ pub(crate) struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// Finds the columns by their names; a velocity is told by all three or not at all.
+    /// Finds the columns by their names; a velocity has all three components or none.
     pub(crate) fn places(
         &self,
         centre: [&str; 3],
@@ -87,7 +87,7 @@ impl Rows<'_> {
         })
     }
 
-    /// The sphere of a row; `number` stands for its seed where no column tells it.
+    /// The sphere of a row; `number` is that of its seed if no column gives it.
     pub(crate) fn sphere(
         &self,
         places: &Places,
@@ -140,7 +140,7 @@ impl Rows<'_> {
             })
     }
 
-    /// What is wrong in a line.
+    /// The fault in a line.
     pub(crate) fn wrong(&self, line: usize, what: String) -> Error {
         Error::Positions {
             file: self.file.to_owned(),

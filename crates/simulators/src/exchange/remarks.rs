@@ -38,7 +38,7 @@ pub fn add_warnings(files: &mut Vec<File>, warnings: &[String]) {
     }
 }
 
-/// A text as one line that ends no comment and no cell, and goes on in no next line: names of users may hold anything.
+/// A text as one line that ends no comment and no cell and does not continue on the next line: names of users may contain anything.
 fn plain(text: &str) -> String {
     let harmless = |c: char| if c.is_control() { ' ' } else { c };
     let mut text: String = text.chars().map(harmless).collect();

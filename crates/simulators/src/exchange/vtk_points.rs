@@ -135,7 +135,7 @@ fn words_of(text: &str) -> Vec<(usize, &str)> {
 ///
 /// # Errors
 ///
-/// A binary file, an array that ends early or is no number, no points, no radius.
+/// A binary file, an array that ends early or is not a number, no points, no radius.
 pub(crate) fn read_legacy(text: &str, file: &str) -> Result<Moment, Error> {
     let wrong = |line: usize, what: &str| Error::Positions {
         file: file.to_owned(),
@@ -225,7 +225,7 @@ pub(crate) fn read_legacy(text: &str, file: &str) -> Result<Moment, Error> {
 ///
 /// # Errors
 ///
-/// Arrays in another form than ASCII, an array that is no number, no points, no radius.
+/// Arrays in another form than ASCII, an array that is not a number, no points, no radius.
 pub(crate) fn read_xml(text: &str, file: &str) -> Result<Moment, Error> {
     let mut arrays = PointArrays {
         file,

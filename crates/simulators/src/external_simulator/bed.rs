@@ -74,7 +74,7 @@ impl Bed {
         self.series.push(SeriesPoint {
             time_s: self.series.len() as f64 * interval,
             centre_of_mass_deg: moment.direction().to_degrees(),
-            // Without velocities the bed counts as one that turns with the shell, and no slip is told.
+            // Without velocities the bed counts as turning with the shell, and no slip is reported.
             shell_slip: spun.unwrap_or(0.0),
             drive_power_w: f64::NAN,
             kinetic_energy_j: f64::NAN,
@@ -161,7 +161,7 @@ impl Bed {
         moments.map(read).collect()
     }
 
-    /// What tells the form of the motion.
+    /// Numbers from which the form of the motion follows.
     fn evidence(&self, kept: &[SeriesPoint], surface: &SurfaceReadings) -> MotionEvidence {
         let Drive {
             camera,

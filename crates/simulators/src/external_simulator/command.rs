@@ -74,7 +74,7 @@ pub struct CommandModel {
     pub condition: BTreeMap<String, String>,
     /// Names of the parameters on which its runs depend; others are not told to the program.
     pub parameters: Vec<String>,
-    /// The drum that positions and pictures show; none where the command gives observables alone.
+    /// The drum that positions and pictures show; `None` if the command gives observables alone.
     pub drum: Option<DrumDescription>,
 }
 

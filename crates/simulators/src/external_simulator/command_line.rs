@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-/// An argument that stands for all values as `name=value`.
+/// An argument that represents all values as `name=value`.
 pub(crate) const ARGUMENTS: &str = "{arguments}";
 
 /// Names of the places `{name}` in an entry of a command.

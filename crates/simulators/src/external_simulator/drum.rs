@@ -106,7 +106,7 @@ impl DrumDescription {
     ///
     /// # Errors
     ///
-    /// A text that is no such quantity, axes that are no right angle, in words.
+    /// A text that is not such a quantity, or axes that are not perpendicular, in words.
     pub(crate) fn at(&self, values: &BTreeMap<String, String>) -> Result<DrumOfRun, String> {
         let filled = |text: &str| {
             let mut text = text.to_owned();

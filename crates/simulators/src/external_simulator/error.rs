@@ -1,15 +1,15 @@
-//! What can go wrong before a run.
+//! Errors before a run.
 
 use std::path::PathBuf;
 
-/// Why another code is no simulator.
+/// Why another code is not a simulator.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The program does not answer as it should.
     #[error("{reason}")]
     Program {
-        /// What happened, and the way out.
+        /// What happened, and the remedy.
         reason: String,
     },
     /// A file of the template cannot be read.
@@ -25,7 +25,7 @@ pub enum Error {
     Setting {
         /// The setting, with its value.
         what: String,
-        /// What is wrong with it, and the way out.
+        /// Its fault, and the remedy.
         problem: String,
     },
 }

@@ -54,7 +54,7 @@ impl RunFolder {
     /// The run succeeded: removes the folder unless it is to stay.
     pub(crate) fn succeeded(self) {
         if self.keep == Keep::Failed {
-            // A folder that cannot be removed is no reason to lose its run.
+            // A folder that cannot be removed does not cost its run.
             let _ = fs::remove_dir_all(&self.path);
         }
     }

@@ -159,7 +159,7 @@ mod tests {
             "{:?}",
             read.remarks
         );
-        // A broken dump is no file of another kind.
+        // A broken dump does not count as a file of another kind.
         write("bed_2000.liggghts", &dump(2000, 4).as_bytes()[..150]);
         let broken = LeftMoments::read(folder.path(), Path::new("*")).unwrap_err();
         assert!(broken.contains("bed_2000.liggghts"), "{broken}");

@@ -57,7 +57,7 @@ impl Peer {
     ///
     /// # Errors
     ///
-    /// What the code does not have, by name, with the way out.
+    /// What the code does not have, by name, with the remedy.
     pub fn check(self, scene: &Scene) -> Result<(), crate::exchange::Error> {
         match self {
             Self::Lammps => lammps::check(scene),
@@ -101,7 +101,7 @@ pub struct PeerSimulator {
 }
 
 impl PeerSimulator {
-    /// Asks the code for its version, so that one that is not there is told before any run.
+    /// Asks the code for its version, so that one that is not there is reported before any run.
     ///
     /// # Errors
     ///
@@ -253,7 +253,7 @@ impl Simulator for PeerSimulator {
     }
 }
 
-/// Mean number of spheres at the surface of a seed; none where a body cannot be made.
+/// Mean number of spheres at the surface of a seed; `None` if a body cannot be made.
 fn spheres_of_a_seed(scene: &Scene, fillings: &FillingLibrary) -> Option<f64> {
     let mut all = 0;
     for seed in &scene.seed {

@@ -14,11 +14,11 @@ use std::time::{Duration, Instant};
 
 /// Name of the file that takes what the program prints.
 pub(crate) const LOG: &str = "output.log";
-/// Bytes of the end of a log that are told.
+/// Bytes of the end of a log that are reported.
 const TOLD: usize = 2000;
 /// First and longest wait between two looks at a running program.
 const WAITS: [Duration; 2] = [Duration::from_millis(1), Duration::from_millis(200)];
-/// Time that a program has to end by itself when it is told to, so that `mpirun` can end its ranks, which have groups of their
+/// Time that a program has to end by itself when it is asked to, so that `mpirun` can end its ranks, which have groups of their
 /// own. Our choice, well within the two seconds that a stopped command has.
 const GRACE: Duration = Duration::from_millis(300);
 
@@ -209,7 +209,7 @@ fn not_watched(error: &io::Error) -> Failure {
     format!("the program cannot be watched: {error}")
 }
 
-/// Why a program cannot be started, with the way out.
+/// Why a program cannot be started, with the remedy.
 fn cannot_start(program: &str, error: &io::Error) -> Failure {
     let way_out = match error.kind() {
         io::ErrorKind::NotFound => ": install it, or give its path in [simulator] command",
@@ -219,7 +219,7 @@ fn cannot_start(program: &str, error: &io::Error) -> Failure {
     format!("'{program}' cannot be started ({error}){way_out}")
 }
 
-/// The end of a log as a part of a message; empty where there is none.
+/// The end of a log as a part of a message; empty if there is none.
 pub(crate) fn end_of_log(log: &Path) -> String {
     let Ok(bytes) = fs::read(log) else {
         return String::new();

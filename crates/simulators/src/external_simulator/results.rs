@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Largest size of an angle, deg: a turn. What is larger stands for no result, as -999 does.
+/// Largest size of an angle, deg: a turn. A larger one marks a missing result, as -999 does.
 const MOST_DEGREES: f64 = 360.0;
 
 /// What a file of results says.
@@ -30,11 +30,11 @@ pub(crate) fn read(path: &Path) -> Result<Results, String> {
     })?;
     let value: Value = serde_json::from_slice(&bytes).map_err(|error| {
         let hint = if bytes.windows(3).any(|w| w == b"NaN") {
-            "; it holds NaN, which is no result"
+            "; it holds NaN, which is not a result"
         } else {
             ""
         };
-        format!("{name} is no JSON: {error}{hint}")
+        format!("{name} is not JSON: {error}{hint}")
     })?;
     let Value::Object(all) = value else {
         return Err(format!(
@@ -59,7 +59,7 @@ pub(crate) fn read(path: &Path) -> Result<Results, String> {
         if key.ends_with("_deg") && observation.mean.abs() > MOST_DEGREES {
             return Err(format!(
                 "{name}: {key} = {} must lie within {MOST_DEGREES} deg: a run without a result ends with another exit \
-                 code than 0, and no number stands for it",
+                 code than 0, and no number represents it",
                 observation.mean
             ));
         }
@@ -109,7 +109,7 @@ mod tests {
         read(&path)
     }
 
-    /// A number that stands for "no result" is none.
+    /// A number that marks a missing result gives no result.
     #[test]
     fn an_angle_beyond_a_turn_is_refused() {
         let error = told(r#"{"angle_deg": -999}"#).unwrap_err();

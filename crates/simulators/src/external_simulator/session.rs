@@ -1,4 +1,4 @@
-//! LAMMPS or LIGGGHTS as a partner in a conversation: it reads its script line by line, so that it goes on for as long as the
+//! LAMMPS or LIGGGHTS as a partner in a conversation: it reads its script line by line, so that it continues for as long as the
 //! bed asks for, and not for a time that was guessed before.
 
 use crate::exchange::{Moment, dump};
@@ -58,7 +58,7 @@ impl Session {
             .write_all(text.as_bytes())
             .and_then(|()| self.input.flush());
         let path = self.folder.join(mark);
-        // A code that ended takes no commands; why it ended is told by its log.
+        // A code that ended takes no commands; why it ended is reported by its log.
         let result = self.process.wait_for(|| path.exists());
         result?;
         sent.map_err(|error| format!("the program takes no commands: {error}"))?;

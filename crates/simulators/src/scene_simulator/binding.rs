@@ -1,18 +1,25 @@
-//! Which settings of a scene a parameter stands for.
+//! Which settings of a scene a parameter represents.
 
 use crate::scene_simulator::Error;
 use scene::{Override, Scene, SettingKind};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The settings that the symbol of a parameter stands for.
+/// The settings that the symbol of a parameter represents.
+///
+/// ```
+/// use simulators::scene_simulator::Binding;
+/// let binding = Binding::of_path("contact.seed-seed.static_friction");
+/// let changes = binding.changes(|_| true, 0.4);
+/// assert_eq!((changes[0].name.as_str(), changes[0].value.as_str()), ("contact.seed-seed.static_friction", "0.4"));
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Binding {
     /// Dotted paths, such as `contact.seed-seed.static_friction`; all get the same number, in every scene that
     /// has them.
     pub paths: Vec<String>,
-    /// Unit of the number where the settings are quantities, such as `rpm`; none where they are plain numbers.
+    /// Unit of the number where the settings are quantities, such as `rpm`; `None` if they are plain numbers.
     pub unit: Option<String>,
 }
 

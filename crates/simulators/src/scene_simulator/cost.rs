@@ -26,8 +26,8 @@ const SEEDED_PLATE: f64 = 3.0;
 /// # Formula
 ///
 /// (number of moving seeds) * (simulated time, s) / (time step as a share of a hard contact). In a drum or a release
-/// the time is that to settle and that of the rotation ([`Scene::expected_rotation`]); the number of spheres hardly matters there (146 in
-/// place of 20 a seed: 9 % more), since few of them touch. In a bench test it is that of all repeats, with steps as
+/// the time is that to settle and that of the rotation ([`Scene::expected_rotation`]); the number of spheres hardly matters there (146 instead
+/// of 20 a seed: 9 % more), since few of them touch. In a bench test it is that of all repeats, with steps as
 /// much finer as [`Apparatus::finer`] says.
 ///
 /// Measured over this: drums of 40 to 306 seeds 0.9 to 1.9 ms; bench tests of smooth seeds of 12 spheres 1.1 to 4.5 ms, of

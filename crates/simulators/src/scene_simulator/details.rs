@@ -14,10 +14,10 @@ use surface_profile::summarise;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunDetails {
-    /// Whether the start-up was found to be over, or the seeds came to rest; none where the apparatus has no such
+    /// Whether the start-up was found to be over, or the seeds came to rest; `None` if the apparatus has no such
     /// state (a bench test).
     pub steady: Option<bool>,
-    /// Why the bed is not steady; none where it is.
+    /// Why the bed is not steady; `None` if it is.
     #[serde(default)]
     pub doubt: Option<Doubt>,
     /// Time of rotation before the steady state, s; none without a series.
@@ -26,14 +26,14 @@ pub struct RunDetails {
     #[serde(default)]
     pub swing_s: Option<f64>,
     /// Form of the motion of the bed (sliding, surging, slumping, rolling, cascading, cataracting, centrifuging); none
-    /// where nothing turns.
+    /// if nothing turns.
     pub motion: Option<String>,
-    /// R w^2 / g with the radius R and the angular speed w of the drum and gravity g; none where nothing turns.
+    /// R w^2 / g with the radius R and the angular speed w of the drum and gravity g; `None` if nothing turns.
     pub froude_number: Option<f64>,
-    /// Why no frame of a drum shows a surface, so that there is no angle; none where one does, and elsewhere.
+    /// Why no frame of a drum shows a surface, so that there is no angle; `None` if one does, and elsewhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub no_surface: Option<String>,
-    /// What the user should know of the files that a program left; empty where none was read.
+    /// What the user should know of the files that a program left; empty if none was read.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remarks: Vec<String>,
     /// Readings of the single frames.
@@ -44,7 +44,7 @@ pub struct RunDetails {
     pub timing: TimingDetails,
     /// The last frame, as PNG in base 64; none of a bench test, which has no bed.
     pub last_frame_png_base64: Option<String>,
-    /// The seeds in the last frame; none where there is no frame.
+    /// The seeds in the last frame; `None` if there is no frame.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub last_bodies: Option<BodyDetails>,
 }
@@ -63,14 +63,14 @@ pub struct FrameDetails {
     pub filling_angles_deg: Vec<f64>,
     /// Number of frames in which the surface could not be measured.
     pub refused: usize,
-    /// Why no frame tells a speed of the surface, as its first frame says it; none where one does, or no pairs of pictures
+    /// Why no frame gives a speed of the surface, as its first frame says it; `None` if one does, or no pairs of pictures
     /// are taken.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub no_surface_speed: Option<String>,
-    /// Standard error of the mean angle by the picture over the time of this run, deg; none where it cannot be told.
+    /// Standard error of the mean angle by the picture over the time of this run, deg; `None` if it cannot be estimated.
     #[serde(default)]
     pub standard_error_deg: Option<f64>,
-    /// Number of independent frames that the measured ones are worth; none where it cannot be told.
+    /// Number of independent frames that the measured ones are worth; `None` if it cannot be estimated.
     pub effective_number: Option<f64>,
 }
 
@@ -102,23 +102,23 @@ pub struct TimingDetails {
     pub threads: usize,
     /// Time by the clock, s; without the filling of the meshes where that is stated.
     pub wall_s: f64,
-    /// Time that the processors worked, s; none where it was not measured.
+    /// Time that the processors worked, s; `None` if it was not measured.
     pub cpu_s: Option<f64>,
-    /// Time of filling the meshes, s; none where it was not measured.
+    /// Time of filling the meshes, s; `None` if it was not measured.
     pub filling_s: Option<f64>,
-    /// Time of a step, us; none where the run was continued, since its times are those of the last part alone, and where
+    /// Time of a step, us; `None` if the run was continued, since its times are those of the last part alone, and where
     /// attempts broke off, whose time counts.
     pub us_per_step: Option<f64>,
     /// Spheres times steps over the time; likewise.
     pub sphere_steps_per_s: Option<f64>,
-    /// Where that time went, by the clock; of the last attempt, and none where another program ran.
+    /// Where that time went, by the clock; of the last attempt, and none if another program ran.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub phases: Option<PhaseTimes>,
     /// Whether the run went on from a state that an earlier process had left.
     pub continued: bool,
     /// Whether the seeds had moved before, and the time is that of the pictures alone.
     pub only_seen: bool,
-    /// Why earlier attempts with longer time steps broke off, each with half the step of the one before; none where the first
+    /// Why earlier attempts with longer time steps broke off, each with half the step of the one before; `None` if the first
     /// came to its end.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub retried: Vec<String>,
@@ -225,7 +225,7 @@ impl TimingDetails {
 }
 
 /// Standard error of the mean of the angles read in frames at these times (s), by whole swings of the bed (s) from the last
-/// frame back, deg; none where the frames span less than two swings, or none in a swing could be measured.
+/// frame back, deg; `None` if the frames span less than two swings, or none in a swing could be measured.
 pub fn error_over_swings(times: &[f64], readings: &[FrameReading], swing: f64) -> Option<f64> {
     let (first, last) = (*times.first()?, *times.last()?);
     let interval = (last - first) / (times.len() - 1).max(1) as f64;
@@ -251,7 +251,7 @@ pub fn error_over_swings(times: &[f64], readings: &[FrameReading], swing: f64) -
     error_of_mean(&means, 1)
 }
 
-/// Why no frame shows a surface, with the reason of the first; none where one does, or no frame is read.
+/// Why no frame shows a surface, with the reason of the first; `None` if one does, or no frame is read.
 pub fn no_surface(readings: &[FrameReading]) -> Option<String> {
     let first = readings.first()?;
     if readings
@@ -269,13 +269,13 @@ pub fn no_surface(readings: &[FrameReading]) -> Option<String> {
     ))
 }
 
-/// Why a run has no angle, as its record says; none where it has one, or was never to have one.
+/// Why a run has no angle, as its record says; `None` if it has one, or was never to have one.
 pub fn no_surface_of(record: &Record) -> Option<String> {
     let reason = record.details().get("no_surface")?.as_str()?;
     Some(reason.to_owned())
 }
 
-/// Why no frame tells a speed of the surface; none where one does, or none is asked.
+/// Why no frame gives a speed of the surface; `None` if one does, or none is asked for.
 fn no_surface_speed(readings: &[FrameReading]) -> Option<String> {
     let mut told = readings.iter().filter_map(|r| r.surface_speed.as_ref());
     let first = told.next()?.as_ref().err()?;
@@ -288,7 +288,7 @@ pub fn effective_number(values: &[f64], error: f64) -> Option<f64> {
     finite((sd / error).powi(2)).map(|n| n.clamp(1.0, values.len() as f64))
 }
 
-/// A number where there is one.
+/// A number if there is one.
 fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }

@@ -1,4 +1,4 @@
-//! What can go wrong between scenes and the calibration.
+//! Errors between scenes and the calibration.
 
 use std::path::PathBuf;
 
@@ -19,7 +19,7 @@ pub enum Error {
         /// Why.
         source: std::io::Error,
     },
-    /// A parameter stands for a setting that no scene has.
+    /// No scene has the setting of a parameter.
     #[error(
         "parameter '{symbol}' sets '{path}', which none of the scenes has ({files}): write the dotted path of a \
          setting, such as contact.seed-seed.static_friction"
@@ -32,7 +32,7 @@ pub enum Error {
         /// Files of the scenes.
         files: String,
     },
-    /// A setting that a parameter stands for takes no such number.
+    /// The setting of a parameter does not accept a number.
     #[error("parameter '{symbol}': {source}")]
     Setting {
         /// Symbol of the parameter.
@@ -59,12 +59,12 @@ pub enum Error {
         /// Why.
         source: std::io::Error,
     },
-    /// A text is no parameter file.
+    /// A text is not a parameter file.
     #[error("{file}: {message}")]
     Text {
         /// The file.
         file: String,
-        /// Line, what is wrong and what is expected.
+        /// Line, fault and expected text.
         message: String,
     },
     /// A parameter of a file is invalid.
@@ -74,7 +74,7 @@ pub enum Error {
         file: String,
         /// Symbol of the parameter.
         symbol: String,
-        /// What is wrong with it, and the way out.
+        /// Its fault, and the remedy.
         problem: String,
     },
     /// A scene has none of the settings of a parameter file.

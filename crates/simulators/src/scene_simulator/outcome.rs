@@ -16,9 +16,9 @@ pub const NOT_STEADY: &str = "not steady";
 pub struct Effort {
     /// Time by the clock, s.
     pub wall_s: f64,
-    /// Time that the processors worked, s; none where it was not measured.
+    /// Time that the processors worked, s; `None` if it was not measured.
     pub cpu_s: Option<f64>,
-    /// Time of filling the meshes, s, where it is not part of `wall_s`; none where it was not measured.
+    /// Time of filling the meshes, s, where it is not part of `wall_s`; `None` if it was not measured.
     pub filling_s: Option<f64>,
     /// Whether the run went on from a state that an earlier process had left.
     pub continued: bool,
@@ -79,7 +79,7 @@ fn observables(result: &RunResult, surface: &SurfaceReadings) -> BTreeMap<String
     observables
 }
 
-/// How a run ended up: a turning bed that was not steady is no rolling one and no sliding one, so that it enters no mean
+/// Regime of a run: a turning bed that was not steady counts neither as rolling nor as sliding, so that it enters no mean
 /// of either. What was let go keeps its regime though beads may still roll over the floor: its slope stands, and without
 /// rolling friction they never stop; not where their own rolling torque drives them. The details say why in all cases.
 fn regime_of(result: &RunResult) -> Option<String> {

@@ -17,7 +17,7 @@ const NOT_MET: &str = "# NOT MET: ";
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ParameterFile {
-    /// Whether the parameters meet the measurements and the check of their calibration; none where the file does not say it, as one
+    /// Whether the parameters meet the measurements and the check of their calibration; `None` if the file does not say it, as one
     /// that was typed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub met: Option<bool>,
@@ -79,7 +79,7 @@ impl CalibratedParameter {
         self.unit.as_deref().filter(|unit| *unit != PURE_NUMBER)
     }
 
-    /// What is wrong with the parameter, and the way out.
+    /// Fault of the parameter, and the remedy.
     fn problem(&self) -> Option<String> {
         if !self.value.is_finite() {
             return Some(format!(
@@ -108,7 +108,7 @@ impl ParameterFile {
     ///
     /// # Errors
     ///
-    /// A file that cannot be read, text that is no parameter file, an invalid number, two parameters
+    /// A file that cannot be read, text that is not a parameter file, an invalid number, two parameters
     /// that set one path.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let text = input::file::read_text(path).map_err(|source| Error::Read {

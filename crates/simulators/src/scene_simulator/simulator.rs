@@ -26,6 +26,23 @@ const REMEMBERED: usize = 256;
 ///
 /// A request's `parameters` are symbols of the bindings; its `condition` may hold `rpm`, `seed_count` and
 /// `session`; its `effects` are those of [`crate::effects`].
+///
+/// ```
+/// use campaign::RunRequest;
+/// use scene::Scene;
+/// use simulators::scene_simulator::{Binding, SceneSimulator};
+/// use std::collections::BTreeMap;
+/// let file = dev_support::fixture_files::fixture("cotton/drum.toml");
+/// let scenes = BTreeMap::from([("drum".to_owned(), Scene::read(&file, &[])?)]);
+/// let friction = Binding::of_path("contact.seed-seed.static_friction");
+/// let bindings = BTreeMap::from([("B".to_owned(), friction)]);
+/// let simulator = SceneSimulator::new(scenes, bindings)?;
+/// // The scene that the request would run; `Simulator::run` runs it.
+/// let request = RunRequest::new("drum", 1).with_condition("rpm", 20.0).with_parameter("B", 0.4);
+/// let scene = simulator.scene_of(&request)?;
+/// assert!((scene.apparatus.speed() - 20.0 * std::f64::consts::TAU / 60.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct SceneSimulator {
     /// Scenes by the name that requests use.
@@ -153,7 +170,7 @@ impl SceneSimulator {
         &self.fillings
     }
 
-    /// The scene that a request stands for, whole.
+    /// The scene that a request represents, whole.
     ///
     /// # Errors
     ///

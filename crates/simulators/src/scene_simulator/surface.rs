@@ -36,9 +36,9 @@ pub struct SurfaceReadings {
     pub top: Vec<f64>,
     /// Speed of the surface by pairs of pictures, m/s; of the frames that tell it.
     pub surface_speed: Vec<f64>,
-    /// How long the angle by the picture is correlated with itself, s; none where the frames do not tell it.
+    /// Correlation time of the angle by the picture, s; `None` if the frames do not show it.
     pub correlation_time: Option<CorrelationTime>,
-    /// Avalanches of that angle, deg and s; none where a layer flows all the time, or the frames do not tell it.
+    /// Avalanches of that angle, deg and s; `None` if a layer flows all the time, or the frames do not show it.
     pub avalanches: Option<Avalanches>,
 }
 
@@ -137,7 +137,7 @@ pub fn over_frames(values: &[f64], unit: &str) -> Option<Observation> {
     })
 }
 
-/// What the frames of runs that show no surface may change in the mean of their angle, deg; none where all show one, or none does.
+/// What the frames of runs that show no surface may change in the mean of their angle, deg; `None` if all show one, or none does.
 pub fn unread_frames<'a>(runs: impl IntoIterator<Item = &'a FrameDetails>) -> Option<String> {
     let (mut angles, mut refused) = (Vec::new(), 0);
     for frames in runs {

@@ -60,7 +60,7 @@ impl Script {
         Store::open(self.folder.path().join("runs")).expect("as the test prepared it")
     }
 
-    /// What is left of the folders of runs.
+    /// Remainder of the folders of runs.
     fn left(&self) -> Vec<PathBuf> {
         let entries = fs::read_dir(&self.settings.work).into_iter().flatten();
         entries
@@ -256,10 +256,10 @@ fn positions_of_another_code_are_read_by_the_same_ruler() {
     let outcome = script.simulator().run(&request(0.1)).unwrap();
     // The rule keeps what follows its start-up: the last frames.
     let n = outcome.observables["angle_deg"].n;
-    // The start-up, 1.5 swings to half a frame of 0.1 s, is no part of it.
+    // The start-up, 1.5 swings to half a frame of 0.1 s, is not part of it.
     let time = |key: &str| outcome.details[key].as_f64().unwrap();
     let (start_up, swing) = (time("start_up_s"), time("swing_s"));
-    // Both are told in whole frames: 1.5 times half a frame and half a frame.
+    // Both are given in whole frames: 1.5 times half a frame and half a frame.
     assert!(
         swing > 0.3 && start_up > 1.5 * swing - 0.125,
         "{start_up} s"
@@ -315,5 +315,8 @@ fn positions_of_another_code_are_read_by_the_same_ruler() {
     let mut said = OBSERVABLES_OF_PICTURES;
     said.sort_unstable();
     let given: Vec<&str> = by_picture.observables.keys().map(String::as_str).collect();
-    assert_eq!(given, said, "what a study is told that pictures give");
+    assert_eq!(
+        given, said,
+        "observables of pictures, as a study receives them"
+    );
 }

@@ -44,7 +44,7 @@ fn run_folder(folder: &Path) -> PathBuf {
     folders.first().expect("a run").clone()
 }
 
-/// The bed that the code shows is at 30 deg: its swing averages out over whole swings. The code was asked to go on until
+/// The bed that the code shows is at 30 deg: its swing averages out over whole swings. The code was asked to continue until
 /// the rule was content, and no longer.
 #[test]
 fn the_code_goes_on_for_as_long_as_the_bed_asks_for() {
@@ -56,7 +56,7 @@ fn the_code_goes_on_for_as_long_as_the_bed_asks_for() {
     assert!((angle - 30.0).abs() < 0.5, "{angle}");
     assert_eq!(outcome.regime.as_deref(), Some("rolling"));
     // All that is said to be read is read, and nothing else: the swing carries the bed along in a part of the time. A swing
-    // up and down alike is no avalanche, and so even a swing has no correlation time.
+    // up and down alike is not an avalanche, and an even swing has no correlation time.
     let none = [
         "angle_correlation_time_s",
         "avalanche_size_deg",
@@ -77,7 +77,7 @@ fn the_code_goes_on_for_as_long_as_the_bed_asks_for() {
     assert!((3..8).contains(&runs), "{runs} runs");
 }
 
-/// A code that breaks off: the reason, the end of its log and the folder are told.
+/// A code that breaks off: the reason, the end of its log and the folder are reported.
 #[test]
 fn a_code_that_breaks_off_is_told_with_its_log() {
     let folder = tempfile::tempdir().unwrap();
@@ -103,7 +103,7 @@ fn what_the_code_does_not_have_is_refused() {
     );
 }
 
-/// A bed that lost a sphere is no result.
+/// A bed that lost a sphere gives no result.
 #[test]
 fn a_lost_sphere_ends_the_run() {
     let folder = tempfile::tempdir().unwrap();

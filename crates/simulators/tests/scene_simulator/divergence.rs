@@ -90,7 +90,7 @@ fn worst_difference(names: &[&str], default: &[Record], shorter: &[Record]) -> f
     worst
 }
 
-/// A run that is tried again stands beside runs with twice its step. That is right where both steps show the same: the means
+/// The result of a run that is repeated is compared with runs of twice its step. That is right if both steps show the same: the means
 /// over 20 runs at the default step and at half of it differ by noise alone. Runs with the default step come to their end here, so
 /// that none is missing from its mean.
 #[test]
@@ -102,7 +102,7 @@ fn half_of_the_default_step_shows_the_same_of_packed_seeds() {
 
 /// Soft beads with a rolling friction of type A, whose bed at rest sets the step: the means over 20 runs at the default step and at
 /// a third of it differ by noise alone. With a share of 0.36 of a hard contact, which is twice the default, the angles differ by
-/// 1.1 deg. The slip on the shell goes on falling with the step, by 0.011 +- 0.002 of 0.115; it must not fall by 0.02.
+/// 1.1 deg. The slip on the shell falls further with the step, by 0.011 +- 0.002 of 0.115; it must not fall by 0.02.
 #[test]
 #[ignore = "ten minutes of one core: `trials/checks.sh divergence`"]
 fn a_third_of_the_default_step_shows_the_same_of_soft_beads() {

@@ -10,7 +10,7 @@ use std::path::Path;
 /// the revision in `simulator.rs` must be raised with the numbers here.
 const REVISION: &str = "physics 18";
 
-/// Numbers are told with nine digits. Processors without the same vector registers round otherwise; over these few contacts that
+/// Numbers are reported with nine digits. Processors without the same vector registers round otherwise; over these few contacts that
 /// stays below this share, and no law, step or seed of randomness can be changed by so little.
 const ROUNDING: f64 = 1e-6;
 

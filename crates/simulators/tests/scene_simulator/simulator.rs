@@ -1,4 +1,4 @@
-//! What a request stands for, and what its key is made of.
+//! What a request represents, and what its key is made of.
 
 use campaign::run_store::Store;
 use campaign::{Campaign, RunRequest, Silent, Simulator as _};
@@ -134,12 +134,12 @@ fn a_symbol_sets_all_its_paths_where_they_are() {
     assert_eq!(
         of("a"),
         inputs(&drum),
-        "other scenes are no part of the inputs"
+        "other scenes are not part of the inputs"
     );
 }
 
 /// The inputs follow the bytes of the scene's own meshes and nothing of other scenes, though both write the same
-/// path; the version stays. A mesh that is not there is told with the file that names it.
+/// path; the version stays. A mesh that is not there is reported with the file that names it.
 #[test]
 fn the_inputs_follow_the_own_meshes() {
     let folder = tempfile::tempdir().unwrap();
@@ -190,8 +190,8 @@ fn the_inputs_follow_the_own_meshes() {
     assert_eq!(&same, a3, "same bytes, path typed otherwise");
 }
 
-/// A path that no scene has, one that holds no number, and one without its unit are told before any request; symbols,
-/// conditions and invalid values are told by the request.
+/// A path that no scene has, one that holds no number, and one without its unit are reported before any request; symbols,
+/// conditions and invalid values are reported by the request.
 #[test]
 fn what_cannot_be_meant_is_refused_with_its_name() {
     let make = |path: &str, unit: Option<&str>| {
@@ -282,7 +282,7 @@ fn the_expected_cost_follows_the_work() {
 }
 
 /// Another camera sees the seeds of the run before: the same observables as a simulator that moves them
-/// anew, to the last bit, and another angle than the camera before.
+/// again, to the last bit, and another angle than the camera before.
 #[test]
 fn another_camera_sees_the_same_motion() {
     let straight = RunRequest::new("drum", 3);
@@ -299,7 +299,7 @@ fn another_camera_sees_the_same_motion() {
     );
     let only_seen = |details: &serde_json::Value| details["timing"]["only_seen"].clone();
     assert_eq!(only_seen(&seen.details), true);
-    assert_eq!(only_seen(&moved.details), false, "moved anew");
+    assert_eq!(only_seen(&moved.details), false, "moved again");
     let other_seed = simulator.run(&turned.with_seed(4)).unwrap();
     assert_eq!(only_seen(&other_seed.details), false, "other seeds");
 }
