@@ -8,7 +8,7 @@ use inference::{AddedEffect, ResidualStudy};
 /// Distance from an end of its range, in widths of it, at which an effect lies there.
 const AT_AN_END: f64 = 1e-6;
 
-/// An answer in a sentence, and what stands behind it.
+/// An answer in a sentence, and the remarks after it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Answer {
     /// What is missing.
@@ -176,7 +176,7 @@ fn parameters(study: &ResidualStudy) -> Option<String> {
     (!all.is_empty()).then(|| all.join(", "))
 }
 
-/// Effects that would help where nothing is named.
+/// Effects that would help, if none is named.
 fn suspects(study: &ResidualStudy) -> Option<String> {
     let d = &study.diagnosis;
     let is_unknown = d.verdict == Verdict::Unknown && !d.suspects.is_empty();
@@ -312,7 +312,7 @@ mod tests {
         }
     }
 
-    /// An effect whose runs have as much of it as its range holds is told with that end; one inside its range is not, wherever
+    /// An effect at the end of its range is reported with that end; one inside its range is not, wherever
     /// its slope would end.
     #[test]
     fn an_effect_at_an_end_of_its_range_is_told() {
@@ -336,8 +336,8 @@ mod tests {
         assert!(told.contains("widen"), "{told}");
     }
 
-    /// The odds that are shown are those of real runs: twins, fitted again both, are told with odds near 1, of which the slopes and an
-    /// unknown effect know nothing. Where nothing is named, suspects stand apart from the headline, with a measurement.
+    /// The odds that are shown are those of real runs: twins, fitted again both, are reported with odds near 1, of which the slopes and an
+    /// unknown effect know nothing. If nothing is named, suspects are shown apart from the headline, with a measurement.
     #[test]
     fn odds_are_those_of_real_runs_and_suspects_are_called_that() {
         let mut study = twins();

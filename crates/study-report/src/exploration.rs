@@ -23,11 +23,11 @@ pub struct SurfaceWithSliders<'a> {
     pub sliders: Vec<usize>,
     /// Natural values of the factors where the sliders begin.
     pub begin: Vec<f64>,
-    /// What was measured, with its standard error; none where it was not.
+    /// What was measured, with its standard error; `None` if it was not.
     pub measured: Option<ExploredTarget>,
 }
 
-/// A fit with the numbers that its predictions need; none where it does not predict at that place.
+/// A fit with the numbers that its predictions need; `None` if it does not predict at that place.
 ///
 /// The predictions are those of [`Fit::predict`]: the error is that of the residuals.
 pub fn explored_surface(slid: SurfaceWithSliders<'_>) -> Option<ExploredSurface> {
@@ -90,7 +90,7 @@ fn axis(fit: &Fit, shown: &Prediction, measured: Option<ExploredTarget>) -> [f64
     [low - room, high + room]
 }
 
-/// All surfaces of a calibration over its parameters; none where no surface could be analysed.
+/// All surfaces of a calibration over its parameters; `None` if no surface could be analysed.
 pub(crate) fn of_calibration(input: &ReportInput<'_>) -> Option<Explorer> {
     let found = input.calibration;
     let fits = || {

@@ -29,7 +29,7 @@ pub struct ReportInput<'a> {
     pub defaults: &'a [String],
     /// Scenes by name of the model.
     pub scenes: &'a BTreeMap<String, Scene>,
-    /// Bodies of the seeds of these scenes; one that is missing is filled anew.
+    /// Bodies of the seeds of these scenes; one that is missing is filled again.
     pub fillings: &'a FillingLibrary,
     /// Records of the runs behind the comparisons and the surfaces, by key; a picture whose record is missing is left out.
     pub records: &'a BTreeMap<String, Record>,
@@ -42,7 +42,7 @@ pub struct ReportInput<'a> {
 pub struct ComparedValue {
     /// Name of the result; its ending is its unit.
     pub result: String,
-    /// What was found here; none where this calibration does not give it.
+    /// What was found here; `None` if this calibration does not give it.
     pub found: Option<f64>,
     /// Standard error of what was found.
     pub se: Option<f64>,
@@ -75,7 +75,7 @@ pub struct DiagnosisInput<'a> {
     pub spent: TimeSpent,
     /// The study of the residual.
     pub study: &'a ResidualStudy,
-    /// What the rules say of drawn campaigns at these conditions, with this library and noise; empty where nothing
+    /// Result of the rules in drawn campaigns at these conditions, with this library and noise; empty if nothing
     /// was drawn.
     pub trials: &'a [TrialRow],
 }

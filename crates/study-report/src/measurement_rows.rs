@@ -11,11 +11,11 @@ pub(crate) struct MeasurementRow<'a> {
     pub(crate) measurement: &'a Measurement,
     /// Where.
     pub(crate) model: &'a Model,
-    /// With the parameters in use before; none where that was left out.
+    /// With the parameters in use before; `None` if that was left out.
     pub(crate) before: Option<&'a Comparison>,
-    /// At the estimate; none where no run gave it.
+    /// At the estimate; `None` if no run gave it.
     pub(crate) after: Option<&'a Comparison>,
-    /// With the effects that are named; none where nothing is, or the measurement is only shown.
+    /// With the effects that are named; `None` if nothing is, or the measurement is only shown.
     pub(crate) with_effects: Option<&'a Comparison>,
 }
 

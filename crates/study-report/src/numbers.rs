@@ -1,8 +1,8 @@
-//! Numbers as people read them: with unit, uncertainty and count, a dash where there is none.
+//! Numbers as people read them: with unit, uncertainty and count, a dash if there is none.
 
 use crate::unit_of_name::split_unit;
 
-/// What stands for a number that is not defined.
+/// Text of a number that is not defined.
 pub(crate) const DASH: &str = "–";
 
 /// A number with a fixed count of decimals; a dash for one that is not finite.
@@ -73,7 +73,7 @@ pub(crate) fn p_in_words(p: Option<f64>) -> String {
     }
 }
 
-/// Standard error below which a number is as good as exact: rounding, not noise.
+/// Standard error below which a number counts as exact: rounding, not noise.
 const EXACT: f64 = 1e-9;
 
 /// Decimals that show two digits of a standard error, 0 to 9; none for one that is not a size.

@@ -57,7 +57,7 @@ impl RunDetails {
 }
 
 impl Seeds {
-    /// Reads the seeds of a record; none where it holds none, or not all of them.
+    /// Reads the seeds of a record; `None` if it holds none, or not all of them.
     fn of(details: &Value) -> Option<Self> {
         let kinds = details["kinds_base64"].as_array()?.iter();
         let kinds: Option<Vec<_>> = kinds.map(|text| spheres(&floats(text)?)).collect();

@@ -23,7 +23,7 @@ const LONGEST_PAUSE: Duration = Duration::from_mins(1);
 /// Most failures and warnings that are kept each.
 const MOST_MESSAGES: usize = 20;
 
-/// What is known of a campaign before its first run.
+/// Known data of a campaign before its first run.
 #[derive(Debug, Clone, Default)]
 pub struct RunningCampaign {
     /// Title of the page.
@@ -213,7 +213,7 @@ impl<'a> RunningPage<'a> {
         self.warn_once();
     }
 
-    /// Tells the listener behind, once, that the page cannot be written.
+    /// Reports to the listener behind, once, that the page cannot be written.
     fn warn_once(&self) {
         let mut seen = self.shared.lock();
         if seen.has_warned {
@@ -225,7 +225,7 @@ impl<'a> RunningPage<'a> {
         seen.has_warned = true;
         drop(seen);
         self.next.warning(&format!(
-            "cannot write {}: {why}; the runs go on",
+            "cannot write {}: {why}; the runs continue",
             self.shared.file.display()
         ));
     }
@@ -237,7 +237,7 @@ impl Drop for RunningPage<'_> {
             self.write_last(End {
                 tone: Tone::Caution,
                 headline: "Ended early",
-                reason: "Finished runs are kept; the same command with --resume goes on.",
+                reason: "Finished runs are kept; the same command with --resume continues.",
             });
         }
     }
@@ -333,7 +333,7 @@ impl Seen {
         }
     }
 
-    /// Takes what came of a run; a record that is known already counts once.
+    /// Takes the result of a run; a record that is known already counts once.
     fn take(&mut self, request: &RunRequest, result: Result<&Record, &str>) {
         self.is_new = true;
         let record = match result {

@@ -137,7 +137,7 @@ fn every_part_appears_once_and_in_its_order() {
     assert!(page.contains("The set of solutions") && page.contains("Beside values of others"));
 }
 
-/// The shares of the runs' time are of 100 s; 98 s of one core and 54 s of this call are told beside them.
+/// The shares of the runs' time are of 100 s; 98 s of one core and 54 s of this call are reported beside them.
 #[test]
 fn where_the_time_went_is_told() {
     let page = page(&example());

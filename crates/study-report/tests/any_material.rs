@@ -1,4 +1,4 @@
-//! No word and no number of one study stands in the report: it shows any material.
+//! No word and no number of one study is in the report: it shows any material.
 
 use std::fs;
 use std::path::{Path, PathBuf};

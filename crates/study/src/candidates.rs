@@ -120,7 +120,7 @@ fn rounded(x: f64) -> f64 {
 }
 
 impl Offer<'_> {
-    /// Reports what is wrong with the entry of a file; an invalid suggestion is left out without a word.
+    /// Reports the fault of an entry of a file; an invalid suggestion is left out silently.
     fn refuse(&self, key: &str, problem: impl Into<String>, problems: &mut Problems) {
         if let Some(entry) = self.entry {
             problems.wrong(&below(&entry.path, key), problem);

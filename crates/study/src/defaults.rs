@@ -31,7 +31,7 @@ impl Defaults {
         });
     }
 
-    /// Tells the settings of the loop that the file does not state.
+    /// Lists the settings of the loop that the file does not state.
     pub(crate) fn tell_design(&mut self, stated: &Table, settings: &LoopSettings) {
         let all = Table::try_from(settings).unwrap_or_default();
         for (key, value) in &all {
@@ -43,7 +43,7 @@ impl Defaults {
         }
     }
 
-    /// Tells what is searched if the file does not say it: candidates for the next measurement, and effects.
+    /// Lists what is searched if the file does not say it: candidates for the next measurement, and effects.
     pub(crate) fn tell_searched(
         &mut self,
         file: &StudyFile,

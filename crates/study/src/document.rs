@@ -317,7 +317,7 @@ fn quoted<'m>(message: &'m str, behind: &str) -> impl Iterator<Item = &'m str> +
     rest.into_iter().flat_map(|rest| rest.split('`').step_by(2))
 }
 
-/// A message of serde in the words of this project, with the way out.
+/// A message of serde in the words of this project, with the remedy.
 fn plain_words(message: &str) -> String {
     if let Some(name) = quoted(message, "unknown field `").next() {
         let known = quoted(message, "unknown field `").skip(1);

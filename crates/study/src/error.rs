@@ -1,4 +1,4 @@
-//! What can go wrong in a study.
+//! Errors in a study.
 
 use crate::Problem;
 use std::path::PathBuf;
@@ -26,7 +26,7 @@ pub enum Error {
     Start {
         /// The file that should hold them.
         file: String,
-        /// What is wrong with it, and the way out.
+        /// Its fault, and the remedy.
         problem: String,
     },
     /// A diagnosis may need more runs than the budget allows.

@@ -61,7 +61,7 @@ pub(crate) struct SceneEntry {
     /// Changes of it, `name = value`, as after `--set`; those of the profile come last.
     #[serde(default)]
     pub(crate) changes: Vec<String>,
-    /// Another apparatus in place of that of the file.
+    /// Another apparatus instead of that of the file.
     pub(crate) apparatus: Option<Table>,
     /// Observables that a program of the user reports.
     #[serde(default)]
@@ -99,7 +99,7 @@ pub(crate) struct ParameterEntry {
     /// Whether it is an `[[input]]`: stated with an error, and not tuned.
     #[serde(skip)]
     pub(crate) is_input: bool,
-    /// The effect of the library whose amplitude it is, in place of settings.
+    /// The effect of the library whose amplitude it is, instead of settings.
     #[serde(skip)]
     pub(crate) effect: Option<String>,
     /// Scenes on which it acts; `None`: all.
@@ -292,7 +292,7 @@ struct SceneChanges {
 }
 
 impl StudyFile {
-    /// Reads and checks all entries and puts a profile on top; what is wrong is reported and left out.
+    /// Reads and checks all entries and puts a profile on top; an entry with a fault is reported and left out.
     pub(crate) fn read(profile: Option<&str>, problems: &mut Problems) -> Self {
         let (file, found) = problems.document.read::<Self>("");
         problems.extend(found);

@@ -1,6 +1,17 @@
 //! Commented studies to start from.
 
 /// A study to start from.
+///
+/// ```
+/// use study::{Starter, Study};
+/// let folder = tempfile::tempdir()?;
+/// for file in Starter::Heap.files() {
+///     std::fs::write(folder.path().join(file.name), file.text)?;
+/// }
+/// let study = Study::read(&folder.path().join("study.toml"), None)?;
+/// assert!(!study.problem.parameters.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Starter {
     /// A rotating drum.

@@ -3,7 +3,7 @@
 /// Largest coefficient of friction that the search tries by itself.
 ///
 /// A friction of 2 is a slope of 63 degrees between two surfaces; those of seeds and plates are below 1.
-/// Our choice: doubling it lets a search out of reach go on for one box more.
+/// Our choice: doubling it lets a search out of reach continue for one box more.
 const MOST_FRICTION: f64 = 2.0;
 
 /// Smallest and largest restitution: at 0 nothing moves apart, at 1 nothing is lost, and both are limits that no

@@ -379,7 +379,7 @@ fn of_avalanches(found: &Avalanches, interval: f64, wanted: Wanted<'_>, series: 
 /// How the means of observables go together that were read from the same frames.
 fn correlate(columns: &[Column], series: &mut PhotoSeries) {
     let frames = columns.first().map_or(0, |c| c.1.len());
-    // A frame tells how observables go together if it shows them all.
+    // A frame shows the correlation of observables if it shows them all.
     let whole = |i: &usize| {
         columns
             .iter()

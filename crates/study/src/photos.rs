@@ -69,7 +69,7 @@ fn copies(files: &[PathBuf]) -> Option<String> {
     let mut seen: BTreeMap<String, &PathBuf> = BTreeMap::new();
     let mut copies = Vec::new();
     for file in files {
-        // A file that cannot be read is told where it is read.
+        // The reader reports a file that cannot be read.
         let Ok(hash) = file_sha256(file) else {
             continue;
         };

@@ -1,4 +1,4 @@
-//! Numbers beyond all quantities and texts that are no names, anywhere in the file.
+//! Numbers beyond all quantities and texts that are not names, anywhere in the file.
 //!
 //! Names and numbers go into names of files, command lines, columns of tables and fits. What would fail there is refused before the first
 //! run.
@@ -23,7 +23,7 @@ pub(crate) fn check(problems: &mut Problems) {
     }
 }
 
-/// What is wrong with a name, such as that of a scene, a parameter or a study.
+/// Why a name is invalid, such as that of a scene, a parameter or a study.
 pub(crate) fn wrong_name(name: &str) -> Option<String> {
     if name.trim().is_empty() {
         return Some("is empty: use a word".to_owned());

@@ -158,7 +158,7 @@ fn requests(lists: &[RunList]) -> impl Iterator<Item = &RunRequest> {
     each.flat_map(|list| std::iter::repeat_n(&list.requests, list.times).flatten())
 }
 
-/// Time of one core that a run took, s; `None` if the store has no record of it, or the run was only seen anew by another
+/// Time of one core that a run took, s; `None` if the store has no record of it, or the run was only measured again by another
 /// camera.
 fn seconds_of(
     simulator: &dyn Simulator,

@@ -1,10 +1,10 @@
-//! What is wrong with a study file: all of it at once.
+//! Faults of a study file, all at once.
 
 use crate::document::Document;
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// One mistake, with the way out.
+/// One mistake, with the remedy.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Problem {
     /// Its name.
@@ -13,7 +13,7 @@ pub struct Problem {
     pub line: Option<usize>,
     /// Table and key, with its value if it has one.
     pub what: String,
-    /// What is wrong with it, and the way out.
+    /// Its fault, and the remedy.
     pub problem: String,
 }
 

@@ -83,7 +83,7 @@ impl Serialize for StudyResult {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let value = serde_json::to_value(&self.calibration).map_err(serde::ser::Error::custom)?;
         let serde_json::Value::Object(mut calibration) = value else {
-            return Err(serde::ser::Error::custom("a calibration is no object"));
+            return Err(serde::ser::Error::custom("a calibration is not an object"));
         };
         calibration.remove("cost");
         let stages = &self.calibration.cost;
@@ -124,7 +124,7 @@ pub struct DiagnosisResult {
     pub at: BTreeMap<String, f64>,
     /// The diagnosis.
     pub diagnosis: DiagnosisStage,
-    /// What could be measured next, the most helpful for its minutes first; empty where nothing is in question.
+    /// What could be measured next, the most helpful for its minutes first; empty if nothing is in question.
     pub next: Vec<NextRow>,
     /// What the file left out, and what stood in its place.
     pub defaults: Vec<DefaultUsed>,

@@ -98,7 +98,7 @@ impl<'a> Scenes<'a> {
     ///
     /// # Errors
     ///
-    /// The key that is wrong and what is wrong with it; nothing if the scene itself was refused.
+    /// The key that is wrong and its fault; nothing if the scene itself was refused.
     pub(crate) fn setup(
         &self,
         name: &str,

@@ -6,7 +6,7 @@ use input::quantity::{
 use scene::{Scene, setting_at};
 use toml::{Table, Value};
 
-/// Why a setting is not a number in a unit, with the way out.
+/// Why a setting is not a number in a unit, with the remedy.
 pub(crate) type NoNumber = String;
 
 /// Every setting of a scene that has a value, as a table.

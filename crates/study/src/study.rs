@@ -29,6 +29,13 @@ use std::sync::Arc;
 const USUAL_ERROR: f64 = 1.0;
 
 /// A study that was checked against its scenes.
+///
+/// ```no_run
+/// use study::Study;
+/// let study = Study::read("study.toml".as_ref(), None)?;
+/// println!("{} parameters, {} measurements", study.problem.parameters.len(), study.problem.measurements.len());
+/// # Ok::<(), study::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Study {
     /// The file.
@@ -68,7 +75,7 @@ impl Study {
     /// # Errors
     ///
     /// [`Error::Read`] for a file that cannot be read, [`Error::Problems`] with everything that is wrong, each with file,
-    /// line, key, value and the way out.
+    /// line, key, value and the remedy.
     pub fn read(path: &Path, profile: Option<&str>) -> Result<Self, Error> {
         let text = input::file::read_text(path).map_err(|source| Error::Read {
             path: path.to_owned(),
@@ -319,7 +326,7 @@ fn check_compare(file: &StudyFile, problem: &CalibrationProblem, problems: &mut 
     }
 }
 
-/// Refuses what is wrong with the whole, although the parts are right.
+/// Refuses combinations of entries that are valid one by one.
 fn check_whole(problem: &CalibrationProblem, path: &Path, problems: &mut Problems) {
     plausible::check(problems);
     if problems.count() > 0 {

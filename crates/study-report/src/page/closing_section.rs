@@ -70,7 +70,7 @@ pub(super) fn spent(spent: &TimeSpent) -> String {
     sentences.join(" ")
 }
 
-/// Runs and time by stage; nothing where no stage is told.
+/// Runs and time by stage; nothing if no stage is reported.
 fn cost(page: &mut Page<'_>) -> Result<(), Error> {
     let cost = &page.input.calibration.cost;
     if cost.is_empty() {

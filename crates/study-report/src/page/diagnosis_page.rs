@@ -49,8 +49,8 @@ fn answer(report: &mut Report, input: &DiagnosisInput<'_>) -> Result<(), Error> 
     if let Some(evidence) = residual_charts::evidence(study) {
         report.figure(
             &evidence.draw()?,
-            "What speaks for each effect: how much of the sum of squares of the residual it takes off, by observable and \
-             scene, the parameters fitted anew inside their limits. A part to the left of 0 speaks against the effect.",
+            "Support for each effect: how much of the sum of squares of the residual it takes off, by observable and \
+             scene, the parameters fitted again inside their limits. A part to the left of 0 contradicts the effect.",
         );
     }
     for k in 0..study.plan.observables.len() {
@@ -60,7 +60,7 @@ fn answer(report: &mut Report, input: &DiagnosisInput<'_>) -> Result<(), Error> 
     Ok(())
 }
 
-/// What could be measured next; nothing where no question is left.
+/// What could be measured next; nothing if no question is left.
 fn next_measurement(report: &mut Report, study: &ResidualStudy) -> Result<(), Error> {
     let Some(next) = &study.diagnosis.next_measurement else {
         return Ok(());

@@ -4,7 +4,7 @@ use super::Page;
 use crate::Error;
 use crate::exploration::of_calibration;
 
-/// Adds the section; nothing where no surface could be analysed.
+/// Adds the section; nothing if no surface could be analysed.
 pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
     let Some(explorer) = of_calibration(page.input) else {
         return Ok(());

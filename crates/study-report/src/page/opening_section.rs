@@ -101,7 +101,7 @@ fn measurements(page: &mut Page<'_>) -> Result<(), Error> {
     Ok(())
 }
 
-/// The effects that are named and added; none where nothing is.
+/// The effects that are named and added; `None` if nothing is.
 fn added(page: &Page<'_>) -> Option<String> {
     page.input.calibration.with_effects.as_ref().map(effects_of)
 }
@@ -154,7 +154,7 @@ fn parameters(page: &mut Page<'_>) -> Result<(), Error> {
         Column::number("95 % interval"),
         Column::number("start"),
         Column::number("limits"),
-        Column::text("what is known of it"),
+        Column::text("known"),
     ];
     if let Some(effects) = &added {
         columns.push(Column::number(format!("estimate with {effects}")));
@@ -191,7 +191,7 @@ fn parameters(page: &mut Page<'_>) -> Result<(), Error> {
     }
     page.table(&table);
     let sets = page.input.calibration.parameters.iter();
-    // A program of the user is told the symbol itself.
+    // A program of the user receives the symbol itself.
     let sets = sets.filter(|p| p.sets.iter().any(|path| *path != p.symbol));
     let lines: Vec<String> = sets
         .map(|p| format!("{}: {}", p.symbol, p.sets.join(", ")))

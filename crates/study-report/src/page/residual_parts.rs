@@ -45,7 +45,7 @@ pub(super) fn verdict(report: &mut Report, study: &ResidualStudy) {
     }
 }
 
-/// Declared parameters before and after; nothing where none is declared.
+/// Declared parameters before and after; nothing if none is declared.
 pub(super) fn parameters(report: &mut Report, study: &ResidualStudy) -> Result<(), report::Error> {
     if study.plan.parameters.is_empty() {
         return Ok(());
@@ -129,7 +129,7 @@ pub(super) fn candidates(report: &mut Report, study: &ResidualStudy) -> Result<(
     Ok(())
 }
 
-/// The models that real runs have fitted again, against the best of them; nothing where there is none.
+/// The models that real runs have fitted again, against the best of them; nothing if there is none.
 pub(super) fn refits(report: &mut Report, study: &ResidualStudy) -> Result<(), report::Error> {
     let refits = &study.diagnosis.refits;
     if refits.is_empty() {

@@ -8,16 +8,16 @@ use inference::ModelScreening;
 use report::{Column, Table, counted};
 use response_surface::Screening;
 
-/// Adds the section; nothing where nothing was screened.
+/// Adds the section; nothing if nothing was screened.
 pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
     let found = page.input.calibration;
     if found.screening.is_empty() {
         return Ok(());
     }
     page.report.section("Screening").paragraph(&format!(
-        "An effect is the mean at the high level minus that at the low level. A parameter goes on that is significant \
-         at {} (against replicates where there are any, against dummy columns otherwise), and the {} largest in any \
-         case. What does not go on stays at its start in this model.",
+        "An effect is the mean at the high level minus that at the low level. A parameter is kept if it is significant \
+         at {} (against replicates if there are any, against dummy columns otherwise), and the {} largest in any \
+         case. A parameter that is not kept stays at its start in this model.",
         found.settings.screening_alpha, found.settings.screening_least
     ));
     for model in &found.screening {
@@ -88,7 +88,7 @@ fn table(
             Column::number("share of sum of squares (%)"),
             Column::number("p, dummies"),
             Column::number("p, replicates"),
-            Column::text("goes on"),
+            Column::text("kept"),
         ],
     )?;
     for f in &screening.factors {

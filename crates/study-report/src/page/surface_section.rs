@@ -51,7 +51,7 @@ fn shift(page: &mut Page<'_>, quantity: &str, shift: Option<&f64>) {
     }
 }
 
-/// What stands for an analysis that the runs do not give.
+/// Text instead of an analysis that the runs do not give.
 fn too_few(page: &mut Page<'_>, model: &ModelSurfaces, quantity: &str) {
     let words = observable(quantity).0;
     let n = counted(model.n_runs, "run", "runs");
@@ -129,7 +129,7 @@ fn equation(words: &str, unit: &str, fit: &Fit) -> String {
     format!("{words} ({unit}) = {}", terms.join(" "))
 }
 
-/// How well the surface stands for the runs.
+/// How well the surface describes the runs.
 fn quality(page: &mut Page<'_>, unit: &str, fit: &Fit) {
     let lack = match &fit.lack_of_fit {
         Some(lack) => format!(
@@ -206,7 +206,7 @@ fn anova(page: &mut Page<'_>, words: &str, unit: &str, fit: &Fit) -> Result<(), 
     Ok(())
 }
 
-/// The rows of the analysis that are no terms.
+/// The rows of the analysis that are not terms.
 fn sums_of_squares(table: &mut Table, fit: &Fit) -> Result<(), Error> {
     let dash = || DASH.to_owned();
     let mut rest = vec![

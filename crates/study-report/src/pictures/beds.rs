@@ -53,7 +53,7 @@ pub(crate) fn beds(input: &ReportInput<'_>) -> Vec<(usize, Bed)> {
 }
 
 impl Bed {
-    /// The seeds, in the rims of their drum where there is one.
+    /// The seeds, in the rims of their drum if there is one.
     fn of(seeds: Seeds, drum: Option<&Drum>) -> Self {
         let coloured = seeds.kinds.into_iter().zip(COLOURS.into_iter().cycle());
         let mut bed = Self {

@@ -142,7 +142,7 @@ mod tests {
     use crate::test_residual::{SPEEDS, twins};
     use report::{Mark, PlotPoint};
 
-    /// Two effects that nothing tells apart are two models: the chart of residuals has points for each beside those of the declared
+    /// Two tied effects are two models: the chart of residuals has points for each beside those of the declared
     /// model, which misses 1 degree per rpm. A mean of four runs has a standard error of 0.05 deg, and the fit adds as much: four
     /// times both together are below 0.3 deg.
     #[test]

@@ -101,7 +101,7 @@ pub(crate) fn misfit(input: &ReportInput<'_>) -> Result<Option<Plot>, Error> {
     ))
 }
 
-/// The measurements of the fit with their surfaces; none where one has none.
+/// The measurements of the fit with their surfaces; `None` if one has none.
 fn equations<'a>(input: &'a ReportInput<'a>) -> Option<Vec<Equation<'a>>> {
     let (problem, found) = (input.problem, input.calibration);
     let number = |symbol: &str| found.parameters.iter().position(|p| p.symbol == symbol);

@@ -37,7 +37,7 @@ pub(crate) fn chart(
     }
 }
 
-/// What was measured of an observable of a model; none where it was not.
+/// What was measured of an observable of a model; `None` if it was not.
 pub(crate) fn measured<'a>(
     input: &ReportInput<'a>,
     model: &str,

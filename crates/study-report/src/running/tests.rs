@@ -124,7 +124,7 @@ impl Progress for Warnings {
     }
 }
 
-/// A folder in the place of the page: the runs are done all the same, and the reason is told once.
+/// A folder in the place of the page: the runs are done all the same, and the reason is reported once.
 #[test]
 fn a_page_that_cannot_be_written_ends_no_run() {
     let folder = tempfile::tempdir().unwrap();

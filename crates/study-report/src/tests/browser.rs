@@ -134,7 +134,7 @@ fn the_page_in_a_browser() {
     assert!(pages >= 5, "{pages} pages of a report of many pictures");
 }
 
-/// Moves the sliders as a hand would: each gets a value and tells the page.
+/// Moves the sliders as a hand would: each gets a value and notifies the page.
 fn a_slider_moves_the_numbers(study: &Example, folder: &Path) {
     let point = [0.25, 0.5, 1.75];
     let script = format!(

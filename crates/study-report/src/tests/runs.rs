@@ -1,4 +1,4 @@
-//! The runs behind the surfaces: every mark of a picture opens its own, and what is told of it is what the run gave.
+//! The runs behind the surfaces: every mark of a picture opens its own, with the results of that run.
 
 use super::{page, rows};
 use crate::design_points::design_points;

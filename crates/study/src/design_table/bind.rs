@@ -3,7 +3,7 @@
 use crate::problem::{Problem, Problems};
 use std::collections::BTreeMap;
 
-/// What is said of a column.
+/// The binding of a column to settings.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Bind {
     /// Names of the settings.
@@ -12,7 +12,7 @@ pub(super) struct Bind {
     pub(super) unit: Option<String>,
 }
 
-/// Reads what is said of the columns, `COLUMN=PATH[,PATH]` each.
+/// Reads bindings of columns, `COLUMN=PATH[,PATH]` each.
 pub(super) fn binds(texts: &[String], problems: &mut Problems) -> BTreeMap<String, Bind> {
     let mut binds = BTreeMap::new();
     for text in texts {

@@ -19,7 +19,7 @@ pub(super) enum Change {
 }
 
 impl Change {
-    /// Reads a cell; says what is wrong with it and the way out otherwise.
+    /// Reads a cell; the error is its fault and the remedy.
     pub(super) fn read(text: &str, setter: &Setter) -> Result<Self, String> {
         if text.is_empty() {
             return Err("is empty: write a value, or leave the row out".to_owned());

@@ -101,7 +101,7 @@ struct Reader<'a> {
     file: String,
     /// Columns that set nothing.
     keep: &'a [String],
-    /// What is said of columns.
+    /// Bindings of columns to settings.
     binds: BTreeMap<String, Bind>,
     /// Names of all settings.
     known: Vec<String>,
@@ -287,7 +287,7 @@ impl Reader<'_> {
         })
     }
 
-    /// Why a column sets nothing, and the way out.
+    /// Why a column sets nothing, and the remedy.
     fn not_found(&self, symbol: &str, name: &str, error: &scene::Error) -> String {
         let file = &self.scene.file;
         let like = like_names(&self.known, name);
@@ -303,7 +303,7 @@ impl Reader<'_> {
             || self.table.header().contains(&natural_name(symbol));
         if is_factor {
             return format!(
-                "holds a factor that sets nothing in {file}: say which setting it stands for with --bind \
+                "holds a factor that sets nothing in {file}: give its setting with --bind \
                  {symbol}=PATH, such as --bind {symbol}=contact.seed-seed.static_friction, or keep it unused with \
                  --keep {symbol}"
             );

@@ -35,7 +35,7 @@ impl DesignTable {
         let has_error = records().any(|record| error_of(record).is_some());
         let error_name = has_error.then_some(STANDARD_ERROR);
         let header = self.table.header();
-        // The seed of the run stands in its own column.
+        // The seed of the run is in its own column.
         let own: Vec<usize> = (0..header.len()).filter(|i| header[*i] != SEED).collect();
         let names = own.iter().map(|i| header[*i].as_str());
         let names = names.chain(["repeat", SEED, "regime", "steady"]);
@@ -74,7 +74,7 @@ impl DesignTable {
     }
 }
 
-/// A value as text; empty where there is none.
+/// A value as text; empty if there is none.
 fn word(value: Option<impl ToString>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }

@@ -273,7 +273,7 @@ impl<'a> Reader<'a> {
         self.sound && cells.len() == setters.count()
     }
 
-    /// Tells which cells of a row the scene refuses each for itself, or else that it refuses them together.
+    /// States which cells of a row the scene refuses each for itself, or else that it refuses them together.
     fn blame(
         &self,
         row: &Row,
@@ -337,7 +337,7 @@ fn agrees(coded: &str, natural: &str, factor: &Factor) -> Result<(), String> {
             factor.low(),
             factor.high()
         )),
-        // What is no number is told of its own column.
+        // A cell that is not a number is reported with its own column.
         _ => Ok(()),
     }
 }

@@ -404,7 +404,7 @@ impl CoarseGrainingEntry {
     }
 }
 
-/// What is wrong with factors that show no trend.
+/// Why factors show no trend.
 fn wrong_factors(factors: &[f64]) -> Option<String> {
     let is_coarser = |f: &&f64| f.is_finite() && **f > 1.0 && **f <= COARSEST;
     if let Some(factor) = factors.iter().find(|f| !is_coarser(f)) {
@@ -488,7 +488,7 @@ fn check_design(path: &str, problems: &mut Problems) {
     }
 }
 
-/// What is wrong with a name of which that of a result folder is made.
+/// Why a name cannot become that of a result folder.
 fn folder_name(name: &str) -> Option<String> {
     let usable = |c: char| c.is_alphanumeric() || "-_. ".contains(c);
     let is_wrong = name.starts_with('.') || !name.chars().all(usable);

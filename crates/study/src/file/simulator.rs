@@ -185,7 +185,7 @@ impl SimulatorTable {
     }
 }
 
-/// What is wrong with a path in the folder of a run.
+/// Why a path is not one in the folder of a run.
 fn not_inside(path: &Path) -> Option<String> {
     let stays = |part| matches!(part, Component::Normal(_) | Component::CurDir);
     if !path.components().all(stays) {

@@ -119,7 +119,7 @@ impl Folder {
                 let lines: Vec<String> = list.iter().map(ToString::to_string).collect();
                 lines.join("\n")
             }
-            // A file that is no table, in the words that the command prints: an error and its causes.
+            // A file that is not a table, in the words that the command prints: an error and its causes.
             Err(Error::Table(error)) => {
                 let mut told = error.to_string();
                 let mut next = std::error::Error::source(&error);

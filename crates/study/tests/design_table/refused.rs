@@ -20,7 +20,7 @@ fn tell(cases: Vec<(Folder, &[&str])>) {
     }
 }
 
-/// Unknown, ambiguous and repeated names, and units that do not fit: the way out is told.
+/// Unknown, ambiguous and repeated names, and units that do not fit: the remedy is reported.
 #[test]
 fn columns_that_cannot_be_meant_are_told_with_the_way_out() {
     tell(vec![
@@ -136,7 +136,7 @@ fn repeats_and_seeds_that_cannot_be_meant_are_told() {
     ]);
 }
 
-/// What is said of the table must fit it.
+/// Bindings must fit the table.
 #[test]
 fn flags_that_do_not_fit_the_table_are_told() {
     tell(vec![
@@ -153,7 +153,7 @@ fn flags_that_do_not_fit_the_table_are_told() {
     ]);
 }
 
-/// Each value is taken with the other of the scene, and both together lack a contact: the row is told, not a cell.
+/// Each value is taken with the other of the scene, and both together lack a contact: the row is reported, not a cell.
 #[test]
 fn values_that_are_refused_only_together_are_told_as_such() {
     let folder = Folder::new("seed.0.material,apparatus.shell\nbean,spare\npea,wall\nbean,wall\n");
@@ -167,7 +167,7 @@ fn values_that_are_refused_only_together_are_told_as_such() {
     assert_eq!(problems.lines().count(), 1, "{problems}");
 }
 
-/// One table with a mistake in each part: all of them are told, each once.
+/// One table with a mistake in each part: all of them are reported, each once.
 #[test]
 fn all_mistakes_are_told_at_once() {
     let table =

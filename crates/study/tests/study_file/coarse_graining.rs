@@ -9,7 +9,7 @@ fn peas(table: &str) -> String {
     format!("{STUDY}\n[effects]\nsearch = []\n[coarse_graining]\n{table}\n")
 }
 
-/// Both conditions of the drum have coarse grains and the sled does not; sizes are told from the coarsest on. Runs with coarser grains cost
+/// Both conditions of the drum have coarse grains and the sled does not; sizes are distinguished from the coarsest on. Runs with coarser grains cost
 /// less: 100 peas of 6 mm are 42 of 8 mm.
 #[test]
 fn scenes_have_coarser_grains_in_their_runs() {

@@ -28,7 +28,7 @@ fn powder() -> Scene {
     }
 }
 
-/// The correlation of two observables in the pictures of a study; 0 where none is told.
+/// The correlation of two observables in the pictures of a study; 0 if none is reported.
 fn of(study: &Study, a: &str, b: &str) -> f64 {
     let mut all = study.photos[0].correlations.iter();
     all.find(|c| (c.a == a && c.b == b) || (c.a == b && c.b == a))
@@ -77,7 +77,7 @@ fn photos_tell_how_their_means_go_together() {
 }
 
 /// A bed that rises by 12 deg/s for 0.5 s and falls within a picture, every 50 ms one: 11 pictures from one fall to the next,
-/// and a fall of 6 deg, of which 0.6 deg of rise may be missed. Without the time between pictures nothing is told of it.
+/// and a fall of 6 deg, of which 0.6 deg of rise may be missed. Without the time between pictures nothing is said about it.
 #[test]
 fn photos_at_a_known_rate_tell_avalanches() {
     let scenes: Vec<Scene> = (0..72)
@@ -109,7 +109,7 @@ fn photos_at_a_known_rate_tell_avalanches() {
         "{:?}",
         told.photos[0].remarks
     );
-    // Not every run gives them: what the file does not name is told and not taken over.
+    // Not every run gives them: what the file does not name is reported and not taken over.
     let timed = with_pictures(&scenes[..40], "photo = { frame_interval = \"50 ms\" }");
     let photos = &timed.photos[0];
     assert!(

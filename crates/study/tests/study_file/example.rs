@@ -29,7 +29,7 @@ const WRONG_KEYS: [(&str, &str, &str); 20] = [
     ("coarse graining", "mcc", "factors = "),
 ];
 
-/// Keys of each kind of table, as a refused key is told of them.
+/// Keys of each kind of table, as the message about an unknown key lists them.
 fn expected() -> Vec<(&'static str, Vec<String>)> {
     let keys = |(kind, folder, place): (&'static str, &str, &str)| {
         let name = if folder == "mcc" {
@@ -174,7 +174,7 @@ fn every_key_of_the_example_has_a_comment() {
     }
 }
 
-/// What a code does not have is told before any run, with the scene and the way out; effects that need it are left out.
+/// What a code does not have is reported before any run, with the scene and the remedy; effects that need it are left out.
 #[test]
 fn what_another_code_does_not_have_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -233,7 +233,7 @@ fn what_another_code_does_not_have_is_refused() {
 }
 
 /// LIGGGHTS stops at restitutions of 0.05 and less: a range or limits that reach them are refused before any run, by key, and
-/// what the solver here or LAMMPS takes is not. A bench test is told as what it does not have, and not as one without observables.
+/// what the solver here or LAMMPS takes is not. A bench test is reported as unsupported, and not as one without observables.
 #[test]
 fn ends_at_which_another_code_would_stop_are_refused() {
     let folder = tempfile::tempdir().unwrap();

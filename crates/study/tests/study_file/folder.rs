@@ -121,9 +121,9 @@ impl Folder {
     }
 }
 
-/// The study with one text in place of another, which must be there.
+/// The study with one text replaced, which must be in it.
 pub(crate) fn changed(from: &str, to: &str) -> String {
-    assert!(STUDY.contains(from), "'{from}' stands in the study");
+    assert!(STUDY.contains(from), "'{from}' is not in the study");
     STUDY.replacen(from, to, 1)
 }
 
@@ -139,12 +139,12 @@ pub(crate) fn right(study: &str) -> Study {
         .expect("a study that is right")
 }
 
-/// What is wrong with a study.
+/// The message about a study.
 pub(crate) fn wrong(study: &str) -> Vec<Problem> {
     problems(&Folder::new(study), None)
 }
 
-/// What is wrong with the study of a folder; nothing if it is read.
+/// The message about the study of a folder; empty if it is read.
 pub(crate) fn problems(folder: &Folder, profile: Option<&str>) -> Vec<Problem> {
     match folder.read(profile) {
         Err(Error::Problems { list }) => list,

@@ -126,7 +126,7 @@ fn without_a_search_the_whole_library_is_searched_or_its_refusal_told() {
     assert!(!study.problem.effects.is_empty());
 }
 
-/// Photographs of others at 15 rpm, one file: no scatter, so that the error of the reading stands for it; its
+/// Photographs of others at 15 rpm, one file: no scatter, so that the error of the reading is used instead; its
 /// reading in `fixtures/photos/readings.csv` lies between chord and middle.
 #[test]
 fn one_photo_gives_the_angle_with_the_error_of_its_reading() {
@@ -200,7 +200,7 @@ fn a_folder_of_photos_gives_mean_scatter_and_shape() {
     assert!((angle.mean - 0.5 * (a + b)).abs() < 1e-12);
     assert!((angle.sd - (a - b).abs() / 2.0_f64.sqrt()).abs() < 1e-12);
     assert_eq!(study.problem.measurements.len(), 9);
-    // The scene is told how far it is filled: what the photos show of that is no answer of the model.
+    // The scene has its fill level as an input: what the photos show of that is not an answer of the model.
     let fill = study.problem.measurements.iter();
     let fill: Vec<_> = fill.filter(|m| m.observable == "fill_level").collect();
     assert_eq!(fill.len(), 1);
@@ -313,7 +313,7 @@ fn a_photo_on_its_side_is_named_and_an_overlay_is_no_photo() {
     }
 }
 
-/// Five copies of one photo have no scatter, and so no error: told as what it is.
+/// Five copies of one photo have no scatter, and so no error; the message says why.
 #[test]
 fn copies_of_one_photo_are_told() {
     let angle = "angle_deg = { mean = 35.1, sd = 0.8, n = 10 }";
@@ -329,7 +329,7 @@ fn copies_of_one_photo_are_told() {
     }
 }
 
-/// A photo and itself moved by a pixel agree far better than either is read: what is known of their mean is the error of the
+/// A photo and itself moved by a pixel agree far better than either is read: the error of their mean is the error of the
 /// reading.
 #[test]
 fn photos_that_agree_are_not_known_better_than_they_are_read() {
@@ -413,7 +413,7 @@ fn published_values_name_parameters_observables_and_effects() {
     assert_eq!(study.file.compare[4].sd, Some(0.1));
 }
 
-/// An input stands behind the parameters, acts where it says, and is what was stated, with a reach of three standard deviations; an
+/// An input comes after the parameters, acts where it says, and has the stated value, with a range of three standard deviations; an
 /// exact one is none.
 #[test]
 fn inputs_with_an_error_stand_behind_the_parameters() {

@@ -38,7 +38,7 @@ fn folder(study: &str) -> Folder {
     folder
 }
 
-/// What is wrong with a change of the study.
+/// The message about a changed study.
 fn wrong(from: &str, to: &str) -> (String, Vec<Problem>) {
     assert!(COMMAND.contains(from), "{from}");
     let study = COMMAND.replacen(from, to, 1);
@@ -105,7 +105,7 @@ fn a_wrong_kind_is_reported_alone() {
     }
 }
 
-/// The folder of a study of 300 letters cannot be made; what holds line ends or nothing is no name.
+/// The folder of a study of 300 letters cannot be made; an empty text or one with line ends is not a name.
 #[test]
 #[rustfmt::skip]
 fn texts_that_are_no_names_are_refused() {

@@ -1,4 +1,4 @@
-//! Wrong input: each problem names file, line, table, key, value and the way out, and nothing is run.
+//! Wrong input: each problem names file, line, table, key, value and the remedy, and nothing is run.
 
 use super::folder::{DRUM, Folder, STUDY, changed, problems, refuses, reports, with, wrong};
 use dev_support::fixture_files::fixture;
@@ -65,7 +65,7 @@ fn text_that_is_not_toml_is_reported_once_a_line() {
     }
 }
 
-/// Drum and sled are of one file: what is wrong in it is reported once, with the first of them.
+/// Drum and sled are of one file: the fault in it is reported once, with the first of them.
 #[test]
 #[rustfmt::skip]
 fn a_mistake_in_a_scene_file_is_reported_once() {
@@ -90,7 +90,7 @@ fn what_a_study_needs_is_missed_all_at_once() {
     }
 }
 
-/// The row gives what is changed in the study, the place that is named, and a word of the way out.
+/// The row gives what is changed in the study, the place that is named, and a word of the remedy.
 #[test]
 #[rustfmt::skip]
 fn keys_and_scenes_that_are_not_there_are_refused() {

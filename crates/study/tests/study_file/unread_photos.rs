@@ -47,7 +47,7 @@ fn a_damaged_photo_among_many_is_left_out_with_its_bias() {
         .nth(1)
         .and_then(|told| told.split("would lie ").nth(1)?.split(' ').next());
     let bound: f64 = bound.expect("a bound").parse().expect("a number");
-    // Two digits are told.
+    // Two digits are reported.
     assert!((bound / (0.1020 * angle.sd) - 1.0).abs() < 0.06, "{told}");
     for word in [
         "drum @ rpm = 30",
@@ -59,7 +59,7 @@ fn a_damaged_photo_among_many_is_left_out_with_its_bias() {
     }
 }
 
-/// Six of 24 could move the mean by 0.58 standard deviations, more than its standard error: the names and the way out.
+/// Six of 24 could move the mean by 0.58 standard deviations, more than its standard error: the names and the remedy.
 #[test]
 fn too_many_damaged_photos_are_refused_by_name() {
     let all: Vec<usize> = (0..24).collect();
