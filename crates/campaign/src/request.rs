@@ -11,6 +11,16 @@ use crate::SimulatorError;
 /// One run: everything that its result may depend on, besides the version of the simulator.
 ///
 /// Units are those that the simulator states for its names.
+///
+/// ```
+/// use campaign::RunRequest;
+/// let run = RunRequest::new("drum", 1)
+///     .with_condition("rpm", 20.0)
+///     .with_parameter("static_friction", 0.4);
+/// // The seed is not among the inputs: repeats of a run have the same ones.
+/// assert_eq!(run.inputs(), run.clone().with_seed(2).inputs());
+/// assert_eq!(run.to_string(), "drum rpm=20 static_friction=0.4 seed=1");
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunRequest {
@@ -124,6 +134,13 @@ impl fmt::Display for RunRequest {
 }
 
 /// Result of a run.
+///
+/// ```
+/// use campaign::{RunOutcome, run_store::Observation};
+/// let angle = Observation { mean: 36.4, sd: Some(0.6), n: 12, unit: "deg".into() };
+/// let outcome = RunOutcome::default().with_observable("angle_deg", angle);
+/// assert_eq!(outcome.observables["angle_deg"].n, 12);
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RunOutcome {
     /// Results by name.

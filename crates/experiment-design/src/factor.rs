@@ -11,6 +11,14 @@ use crate::Error;
 /// # Formula
 /// coded x = (u - (low + high)/2) / ((high - low)/2), so low is -1 and high is +1.
 /// u is the natural value in the unit of the factor.
+///
+/// ```
+/// use experiment_design::Factor;
+/// let friction = Factor::new("B", "static friction seed-steel", "1", 0.30, 0.42)?;
+/// assert!((friction.coded(0.33) + 0.5).abs() < 1e-12);
+/// assert_eq!(friction.natural(1.0), 0.42);
+/// # Ok::<(), experiment_design::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "RawFactor")]
 pub struct Factor {
