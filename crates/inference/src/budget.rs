@@ -18,7 +18,7 @@ use crate::{ResidualPlan, RunList};
 ///
 /// `r ((1 + K + M + F + 2 s + m (1 + K) + 2 B + n (A + 4 + I)) U + 3 (1 + n) C)`: the start and the sensitivities, F = 3 fits without an
 /// effect, s = min(M, 6) slopes that are noise, at both ends of their ranges; for each of m = min(M, 3) effects that may explain
-/// it one sensitivity anew and K slopes beside it; B = min(4 m, 6) points of the search for their amplitudes, before and after
+/// it one sensitivity measured again, and K slopes beside it; B = min(4 m, 6) points of the search for their amplitudes, before and after
 /// these slopes; for each of n = min(M, 3) models that are compared A = 4 fits, one point beyond its amplitude, two more of a search
 /// and one beyond where that ends (with two effects two beyond and one by the slopes there), and I = 3 at the ends of its interval. The
 /// kept conditions get three times as many runs if few of them withdraw an answer.

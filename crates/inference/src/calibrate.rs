@@ -37,7 +37,7 @@ const DIAGNOSIS: usize = 5;
 
 /// Calibrates the parameters of a problem and says whether the result holds.
 ///
-/// `announce` is told each stage as it begins.
+/// `announce` receives each stage as it begins.
 ///
 /// # Errors
 ///
@@ -178,7 +178,7 @@ fn diagnosis_left(
     }
 }
 
-/// Runs that the [stages](crate::planned) beside the search and the diagnosis need; how many the search needs is known where nothing is screened.
+/// Runs that the [stages](crate::planned) beside the search and the diagnosis need; those of the search are known only if nothing is screened.
 ///
 /// # Errors
 ///
@@ -232,7 +232,7 @@ impl Estimated {
     }
 }
 
-/// Runs of all models with the parameters in use before; an error where none of them gives a result.
+/// Runs of all models with the parameters in use before; an error if none of them gives a result.
 fn before(runner: &Runner<'_>) -> Result<BTreeMap<usize, Samples>, Error> {
     let start = runner.problem.start();
     let n = runner.settings.before_runs;
@@ -295,7 +295,7 @@ fn check(
     let about = slope_runs(runner.asked, &sloped, (&found.best, &region))?;
     let n_at = list.len();
     list.extend(about);
-    // One list, so that no core waits; the two parts are told apart by their place.
+    // One list, so that no core waits; the two parts are distinguished by their place.
     let all = runner.run_parts(&list, n_at)?;
     let [mut at_estimate, about] = all;
     let of_planes: BTreeSet<usize> = checks.iter().chain(&sloped).copied().collect();

@@ -3,7 +3,7 @@
 use crate::{CalibrationProblem, Correlation};
 use nalgebra::{Cholesky, DMatrix};
 
-/// Correlation of two measurements of a problem by their numbers; 1 of a measurement with itself, 0 where none is stated.
+/// Correlation of two measurements of a problem by their numbers; 1 of a measurement with itself, 0 if none is stated.
 pub(crate) fn correlation_of(problem: &CalibrationProblem, a: usize, b: usize) -> f64 {
     let joins = |c: &&Correlation| (c.a, c.b) == (a, b) || (c.b, c.a) == (a, b);
     let stated = problem.correlations.iter().find(joins);
@@ -39,7 +39,7 @@ pub(crate) fn check_correlations(problem: &CalibrationProblem, wrong: &mut Vec<S
         }
         let same = |o: &Correlation| (o.a, o.b) == (c.a, c.b) || (o.b, o.a) == (c.a, c.b);
         if problem.correlations[..k].iter().any(same) {
-            wrong.push(format!("{names} stands there twice: give it once"));
+            wrong.push(format!("{names} is given twice: give it once"));
         }
     }
     if wrong.len() == before {
@@ -47,7 +47,7 @@ pub(crate) fn check_correlations(problem: &CalibrationProblem, wrong: &mut Vec<S
     }
 }
 
-/// Tells the models and roles whose correlations are those of no means.
+/// Lists the models and roles whose correlations cannot be those of means.
 fn check_blocks(problem: &CalibrationProblem, wrong: &mut Vec<String>) {
     let mut seen = Vec::new();
     for c in &problem.correlations {

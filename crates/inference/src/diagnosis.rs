@@ -4,7 +4,7 @@
 //! order: can anything be tested at all; is there structure that re-tuning the declared
 //! parameters cannot absorb; does one effect of a library stand out; is what remains then noise;
 //! does the effect beat an unknown one; which other effects would do as well; and what to
-//! measure next. It never names one of two effects that the data cannot tell apart.
+//! measure next. It never names one of two effects that the data cannot distinguish.
 //!
 //! ```
 //! use inference::diagnosis::{CovarianceInput, Options, Problem, ProblemFile, Verdict, diagnose};

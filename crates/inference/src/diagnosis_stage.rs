@@ -15,7 +15,7 @@ const STAGE: u64 = 80;
 
 /// Looks for what the model lacks at given values of the parameters; the last stage of a calibration alone.
 ///
-/// It is left out, with the reason, where no effect is to be searched, the measurements are as many as the parameters, or runs
+/// It is left out, with the reason, if no effect is to be searched, the measurements are as many as the parameters, or runs
 /// failed at all conditions.
 ///
 /// # Errors
@@ -51,7 +51,7 @@ pub fn diagnose_at(
     }
 }
 
-/// The lists of runs of a diagnosis: those that are certain if nothing fails, and further ones, at most. None where
+/// The lists of runs of a diagnosis: those that are certain if nothing fails, and further ones, at most. `None` if
 /// [`diagnose_at`] leaves it out.
 pub(crate) fn lists_of_diagnosis(
     problem: &CalibrationProblem,
@@ -122,7 +122,7 @@ pub fn most_runs_of_candidates(problem: &CalibrationProblem, settings: &LoopSett
         .len()
 }
 
-/// Most runs that the diagnosis of a problem may need, without those at candidates; none where no effect is to be searched.
+/// Most runs that the diagnosis of a problem may need, without those at candidates; `None` if no effect is to be searched.
 pub fn most_runs_of_diagnosis(problem: &CalibrationProblem, settings: &LoopSettings) -> usize {
     if problem.effects.is_empty() {
         return 0;

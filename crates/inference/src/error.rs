@@ -1,4 +1,4 @@
-//! What can go wrong in a stage.
+//! Errors in a stage.
 
 /// Why a stage gave no result.
 #[derive(Debug, thiserror::Error)]
@@ -19,7 +19,7 @@ pub enum Error {
     /// A problem whose numbers do not fit together.
     #[error("the calibration is invalid:\n  {}", lines.join("\n  "))]
     Problem {
-        /// What is wrong, one line each.
+        /// The faults, one line each.
         lines: Vec<String>,
     },
     /// Runs too few for a surface.

@@ -7,7 +7,7 @@ const EVEN_SPREAD: f64 = 12.0;
 /// Information along a combination, over the largest of a parameter, below which there is none.
 const IMITATED: f64 = 1e-12;
 
-/// The information on the tuned parameters, which come first, if the inputs behind them are left to what is known of them.
+/// The information on the tuned parameters, which come first, if of the inputs behind them only the priors are known.
 ///
 /// # Formula
 ///
@@ -30,7 +30,7 @@ pub(crate) fn without_inputs(information: &DMatrix<f64>, tuned: usize) -> DMatri
 /// # Formula
 ///
 /// `M_ii = M_it M_tt^-1 M_ti + E + P`: the first part is that of slopes along inputs which those along tuned parameters imitate, P the
-/// priors, and E what is left, by which the two are told apart. Noise alone gives E on average N, so that `E - N` stays, or nothing.
+/// priors, and E what is left, by which the two are distinguished. Noise alone gives E on average N, so that `E - N` stays, or nothing.
 pub(crate) fn with_noisy_inputs(
     information: &DMatrix<f64>,
     noise: &DMatrix<f64>,
@@ -57,7 +57,7 @@ pub(crate) fn with_noisy_inputs(
 }
 
 /// By how much each tuned parameter moves if an input is one standard deviation larger than it was stated and the other inputs are
-/// left to what is known of them, (tuned, inputs).
+/// known by their priors only, (tuned, inputs).
 ///
 /// # Formula
 ///
@@ -100,7 +100,7 @@ mod tests {
     use nalgebra::DMatrix;
 
     /// A parameter and an input: slopes that tell 40 of the one, 20 of both, and of the other 10, which the parameter imitates, 30 by
-    /// which they are told apart, and 10 from its prior.
+    /// which they are distinguished, and 10 from its prior.
     fn information() -> DMatrix<f64> {
         DMatrix::from_row_slice(2, 2, &[40.0, 20.0, 20.0, 50.0])
     }

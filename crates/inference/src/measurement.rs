@@ -15,6 +15,21 @@ pub enum Role {
 }
 
 /// A measured mean, or a measured standard deviation.
+///
+/// ```
+/// use inference::{Measurement, Role};
+/// // The drum was photographed 16 times.
+/// let angle = Measurement {
+///     model: 0,
+///     observable: "angle_deg".into(),
+///     role: Role::Fit,
+///     mean: 36.0,
+///     sd: 0.8,
+///     n: 16.0,
+///     is_scatter: false,
+/// };
+/// assert!((angle.variance().sqrt() - 0.2).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Measurement {
     /// Number of the model.

@@ -10,7 +10,7 @@ use std::ops::Range;
 const LEVEL: f64 = 0.05;
 /// What is added to the information for its root, over the largest of a parameter: one may act on nothing at all.
 const RIDGE: f64 = 1e-10;
-/// Share of what is told of a combination from which the surfaces with the least noise keep it.
+/// Fraction of the information on a combination from which the surfaces with the least noise keep it.
 const MOST: f64 = 0.5;
 
 /// The noise of the slopes of one surface.
@@ -52,8 +52,8 @@ pub(crate) struct StandingOut {
 /// and `d = (v'N v)^2 / sum of (v'G_s v tr B_s)^2 / d_s` `[Satterthwaite1946]`. They must tell half of what all tell beyond the noise
 /// of the others. A combination that stands out keeps the information `v'A'A v - v'N v` `[Fuller1987]`.
 ///
-/// What the fit tells without the checks stays when they are added: the surfaces of both are tested apart first, and what is left of
-/// them together. Where there are inputs, what noise adds is taken off [later](without_noise), since it matters beside them.
+/// The information of the fit without the checks stays when they are added: the surfaces of both are tested apart first, and the remainder of
+/// them together. If there are inputs, what noise adds is taken off [later](without_noise), since it matters beside them.
 pub(crate) fn standing_out(
     fit: &JointFit<'_>,
     best: &Minimum,
@@ -108,12 +108,12 @@ pub(crate) fn standing_out(
 }
 
 /// What noise of the slopes along tuned parameters adds on average to the information on them, (tuned, tuned), where the inputs are
-/// left to what is known of them.
+/// known by their priors only.
 ///
 /// # Formula
 ///
 /// `sum over surfaces of G_s tr((I - h M_ii^-1 h')_s B_s)`, h the whitened slopes along the inputs and `M_ii` the information on them,
-/// priors included: what an input explains of a measurement tells nothing of the parameters.
+/// priors included: what an input explains of a measurement gives no information of the parameters.
 pub(crate) fn noise_beside_inputs(
     fit: &JointFit<'_>,
     best: &Minimum,

@@ -27,7 +27,7 @@ pub struct PowerTable {
     pub with_more: Vec<(String, Power)>,
 }
 
-/// The power of the measurements of a problem by campaigns with random shapes; none where no effect is to be searched.
+/// The power of the measurements of a problem by campaigns with random shapes; `None` if no effect is to be searched.
 ///
 /// A run is taken to scatter as the single measured values do, and inputs are taken to be right. Parameters and effects act where the models say.
 ///

@@ -6,6 +6,17 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// A quantity of the simulator that may be tuned.
+///
+/// ```
+/// use inference::{Parameter, Prior};
+/// let friction = Parameter {
+///     name: "static friction seed-steel".into(),
+///     limits: [0.0, 1.0],
+///     prior: Some(Prior { mean: 0.32, sd: 0.05 }),
+///     ..Parameter::new("B", [0.2, 0.6])
+/// };
+/// assert!((friction.start - 0.4).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Parameter {
     /// Short name; also the name in [`campaign::RunRequest::parameters`].
@@ -14,7 +25,7 @@ pub struct Parameter {
     pub name: String,
     /// Unit of all values below; `1` where dimensionless.
     pub unit: String,
-    /// What it stands for in the simulator, for the reader; one number sets all of them.
+    /// What it represents in the simulator, for the reader; one number sets all of them.
     pub sets: Vec<String>,
     /// Lower and upper end of the box in which the search begins.
     pub range: [f64; 2],
@@ -90,7 +101,7 @@ pub struct CalibrationProblem {
     /// Which measured means are correlated; all others are independent.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub correlations: Vec<Correlation>,
-    /// Effects to search in the residual; none where nothing is to be diagnosed.
+    /// Effects to search in the residual; `None` if nothing is to be diagnosed.
     pub effects: Vec<EffectProbe>,
     /// What could be measured next.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -298,7 +309,7 @@ impl CalibrationProblem {
             let twice = |other: &Parameter| other.symbol == parameter.symbol;
             if self.parameters[..j].iter().any(twice) {
                 wrong.push(format!(
-                    "parameter {}: the symbol stands twice",
+                    "parameter {}: duplicate symbol; rename one",
                     parameter.symbol
                 ));
             }
@@ -314,7 +325,7 @@ impl CalibrationProblem {
                     "in two roles"
                 };
                 wrong.push(format!(
-                    "measured {} of {} stands there {roles}: give each measurement once",
+                    "measured {} of {} is given {roles}: give each measurement once",
                     m.observable, self.models[m.model].name
                 ));
             }

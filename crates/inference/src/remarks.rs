@@ -25,7 +25,7 @@ pub(crate) fn moved_inputs(inputs: &[InputEstimate]) -> Vec<String> {
     moved.map(remarks).collect()
 }
 
-/// Models of which no run tells how they depend on an input.
+/// Models of which no run shows how they depend on an input.
 pub(crate) fn unknown_inputs(
     problem: &CalibrationProblem,
     surfaces: &SurfacesByModel,

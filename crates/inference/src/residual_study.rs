@@ -76,7 +76,7 @@ pub struct ResidualStudy {
     pub problem: ProblemFile,
     /// Diagnosis of the residual.
     pub diagnosis: Diagnosis,
-    /// The model with the effect added; none where no effect was named. It stays here when real runs speak against it and the
+    /// The model with the effect added; `None` if no effect was named. It stays here when real runs contradict it and the
     /// naming is withdrawn.
     pub after: Option<AddedEffect>,
     /// The other models that real runs have fitted again and that the best of them does not refute, the best first. They stay here
@@ -308,7 +308,7 @@ struct Diagnosed {
     remeasured: Remeasured,
 }
 
-/// Diagnoses the residual at the fit; what the answer hangs on is measured with further runs first: slopes that are noise,
+/// Diagnoses the residual at the fit; what the answer depends on is measured with further runs first: slopes that are noise,
 /// slopes of the suspects, and amplitudes that no straight line tells.
 fn remeasured_and_diagnosed(
     fits: &Fits<'_>,

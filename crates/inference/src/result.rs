@@ -14,13 +14,13 @@ pub struct Estimate {
     pub name: String,
     /// Unit of all values.
     pub unit: String,
-    /// What it stands for in the simulator.
+    /// What it represents in the simulator.
     pub sets: Vec<String>,
     /// The value in use before.
     pub start: f64,
     /// Estimate.
     pub value: f64,
-    /// Standard error; none where neither data nor prior fix it.
+    /// Standard error; `None` if neither data nor prior fix it.
     pub se: Option<f64>,
     /// 95 % interval, within the limits.
     pub interval95: [f64; 2],
@@ -41,7 +41,7 @@ pub struct InputEstimate {
     pub name: String,
     /// Unit of all values.
     pub unit: String,
-    /// What it stands for in the simulator.
+    /// What it represents in the simulator.
     pub sets: Vec<String>,
     /// Its value as it was stated.
     pub stated: f64,
@@ -62,7 +62,7 @@ pub struct InputEstimate {
 pub struct OpenCombination {
     /// Weights by symbol, in units of the widths of the limits; their squares sum to 1.
     pub weights: BTreeMap<String, f64>,
-    /// Standard error along it, in widths of the limits; none where it is without end.
+    /// Standard error along it, in widths of the limits; `None` if it is infinite.
     pub se_in_widths: Option<f64>,
 }
 
@@ -81,9 +81,9 @@ pub struct Comparison {
     pub measured: MeasuredMean,
     /// What the simulator shows.
     pub simulated: SimulatedMean,
-    /// Standard error of the prediction from the uncertainty of the parameters alone; none where it is not known.
+    /// Standard error of the prediction from the uncertainty of the parameters alone; `None` if it is not known.
     pub parameter_se: Option<f64>,
-    /// How far the simulated mean can move, at least, if the parameters do within the box of the file; none where no surface tells.
+    /// How far the simulated mean can move, at least, if the parameters do within the box of the file; `None` if no surface shows it.
     pub reach: Option<f64>,
     /// Measured minus simulated, in standard errors of both.
     pub z: f64,
@@ -310,7 +310,7 @@ pub struct WithEffects {
     pub holds: bool,
 }
 
-/// What became of the diagnosis of the residual.
+/// Result of the diagnosis of the residual.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "state")]
 pub enum DiagnosisStage {
@@ -374,11 +374,11 @@ pub struct Calibration {
     pub size_trends: Vec<SizeTrend>,
     /// Rounds of confirmation.
     pub confirmations: Vec<ConfirmationRound>,
-    /// The estimate from all measurements; none where it was not asked for, or there is no check.
+    /// The estimate from all measurements; `None` if it was not asked for, or there is no check.
     pub joint: Option<JointEstimate>,
     /// What the residual says.
     pub diagnosis: DiagnosisStage,
-    /// What the measurements and the parameters become if what the model lacks is added; none where nothing is named.
+    /// Measurements and parameters with the missing effects added; `None` if nothing is named.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub with_effects: Option<WithEffects>,
     /// What a reader should know.

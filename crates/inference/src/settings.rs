@@ -37,6 +37,13 @@ pub enum ScreeningChoice {
 }
 
 /// How a calibration is done; every value is part of the result.
+///
+/// ```
+/// use inference::LoopSettings;
+/// // At most 60 runs in all; everything else as usual.
+/// let settings = LoopSettings { most_runs: Some(60), ..LoopSettings::default() };
+/// assert_eq!(settings.confirmation_runs, 3);
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LoopSettings {

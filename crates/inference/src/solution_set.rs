@@ -12,7 +12,7 @@ use probability::random_stream::Stream;
 const DRAWN: usize = 4096;
 /// Points that are kept for pictures.
 const KEPT: usize = 500;
-/// Most separate points that are told.
+/// Most separate points that are reported.
 const MOST_SEPARATE: usize = 8;
 /// Places between two minima at which a way from one to the other is sought.
 const PLACES: usize = 9;

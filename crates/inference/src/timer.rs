@@ -7,7 +7,7 @@ use campaign::{Cores, RunOutcome, RunRequest, Simulator, SimulatorError};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// Measures what each stage costs, and tells what is ahead.
+/// Measures what each stage costs, and reports what is ahead.
 pub(crate) struct Timer<'a> {
     /// Who hears of a stage.
     announce: &'a dyn Fn(&str),

@@ -28,7 +28,7 @@ pub(crate) fn judged_with(
     }
 }
 
-/// The measurements and parameters with the effects that are named; none where nothing is.
+/// The measurements and parameters with the named effects; `None` if none is named.
 fn with_effects(problem: &CalibrationProblem, diagnosis: &DiagnosisStage) -> Option<WithEffects> {
     let DiagnosisStage::Done(study) = diagnosis else {
         return None;
@@ -55,7 +55,7 @@ fn with_effects(problem: &CalibrationProblem, diagnosis: &DiagnosisStage) -> Opt
     })
 }
 
-/// What the runs with the effects show of a measurement; none where its condition was left out.
+/// What the runs with the effects show of a measurement; `None` if its condition was left out.
 fn simulated(
     problem: &CalibrationProblem,
     study: &ResidualStudy,

@@ -275,7 +275,7 @@ mod tests {
 
     /// Two kept values, a right model at a distance of 0 to 8 from the one without: it falls in 5 % of 20 000 draws at most
     /// (three standard errors: 0.5 %), though its error does not fall in 50 to 5 % of them up to 3.3. The other model
-    /// where it is right falls by less than that only where the two cannot be told apart: at 4 and beyond in 95 %.
+    /// where it is right falls by less than that only if the two cannot be distinguished: at 4 and beyond in 95 %.
     #[test]
     fn a_right_model_falls_in_five_percent_and_a_wrong_one_where_it_is_told_apart() {
         let mut stream = Stream::new(1, "contrast");

@@ -37,7 +37,7 @@ pub fn least_squares_step(
 /// # Formula
 ///
 /// The active set method of `[StarkParker1995]`: from x = 0, go towards the least squares solution of the free
-/// coefficients until the first meets a bound, hold it there, and go on; then free the held one whose slope points most
+/// coefficients until the first meets a bound, hold it there, and continue; then free the held one whose slope points most
 /// into the box, until none does. Without a bound in the way the first step is the plain solution.
 pub(crate) fn least_squares_in_box(
     matrix: &DMatrix<f64>,

@@ -206,7 +206,7 @@ fn missing_covariance(what: &str) -> Error {
     Error::Missing {
         what: what.to_owned(),
         way_out: "noise left out makes every residual look structured; give one block for all \
-                  conditions, one block per condition, or the whole matrix (zeros only where \
+                  conditions, one block per condition, or the whole matrix (zeros only if \
                   there is truly no noise)"
             .into(),
     }
@@ -350,7 +350,7 @@ fn candidates(file: &ProblemFile) -> Result<Vec<Candidate>, Error> {
             Err(Error::BadName {
                 name: name.clone(),
                 place,
-                problem: "is no effect of the library",
+                problem: "is not an effect of the library",
             })
         }
     };

@@ -8,7 +8,7 @@ use crate::diagnosis::problem::Problem;
 const SMALLEST_DETECTABILITY: f64 = 3.0;
 
 /// Size of an effect without a largest amplitude at which it is judged: that of 80 standard errors of the values, before
-/// re-tuning. Chosen by us: an effect larger than that is no residual to be explained, and one that must be larger to be
+/// re-tuning. Our choice: an effect larger than that is not a residual to explain, and one that must be larger to be
 /// seen rests on the last digits of the slopes, because re-tuning absorbs more than 99.86 % of it. At twice the
 /// value the limit is 99.96 %.
 const UNLIMITED_SIZE: f64 = 80.0;
@@ -55,7 +55,7 @@ pub(crate) fn why_unseen(problem: &Problem, nominal: &Fit, effect: usize) -> Uns
     }
 }
 
-/// Smallest amplitude of a candidate whose expected score reaches a value, of the sign that needs less; none where no
+/// Smallest amplitude of a candidate whose expected score reaches a value, of the sign that needs less; `None` if no
 /// possible amplitude does.
 pub(crate) fn smallest_detectable(
     problem: &Problem,
@@ -72,7 +72,7 @@ pub(crate) fn smallest_detectable(
                 break;
             }
             if end.is_finite() {
-                // An amplitude beyond the possible ones tells how far it is from being seen.
+                // An amplitude beyond the possible ones shows how far the effect is from being detectable.
                 let proportional = expected(high);
                 return (proportional > 0.0).then(|| high.abs() * score / proportional);
             }

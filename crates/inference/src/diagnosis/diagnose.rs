@@ -120,7 +120,7 @@ pub fn diagnose(problem: &Problem, options: &Options) -> Result<Diagnosis, Error
 /// A decision that has met the unused conditions.
 pub(crate) struct Checked {
     pub(crate) decision: Decision,
-    /// The errors before and after; none where nothing could be tried.
+    /// The errors before and after; `None` if nothing could be tried.
     pub(crate) before_after: Option<BeforeAfter>,
     /// Why a naming was taken back, where it was.
     pub(crate) withdrawn: Option<String>,
@@ -141,7 +141,7 @@ pub(crate) fn decide_and_check(problem: &Problem, options: &Options) -> Result<C
     })
 }
 
-/// Errors before and after the chosen effects, or the best candidate where none was chosen.
+/// Errors before and after the chosen effects, or the best candidate if none was chosen.
 fn compare(
     problem: &Problem,
     decision: &Decision,
@@ -221,7 +221,7 @@ fn unseen_parameters(problem: &Problem) -> Vec<String> {
         .collect()
 }
 
-/// Tells which parameters the data would move beyond their limits.
+/// States which parameters the data would move beyond their limits.
 fn held_parameters(problem: &Problem, decision: &Decision) -> Vec<String> {
     let held = decision.nominal.held.iter();
     held.filter(|held| problem.used.declared.column(held.parameter).amax() > 0.0)
@@ -235,7 +235,7 @@ fn held_parameters(problem: &Problem, decision: &Decision) -> Vec<String> {
         .collect()
 }
 
-/// Tells that runs and slopes do not agree.
+/// Reports that runs and slopes do not agree.
 fn promises(decision: &Decision) -> Option<String> {
     let at = decision
         .at_fit
@@ -408,7 +408,7 @@ fn amplitudes(problem: &Problem, decision: &Decision) -> BTreeMap<String, Amplit
     effects.map(amplitude).collect()
 }
 
-/// What is known of the declared parameters.
+/// Known data of the declared parameters.
 fn declared_results(problem: &Problem, decision: &Decision) -> BTreeMap<String, DeclaredResult> {
     let covariance = decision.chosen.parameter_covariance();
     let error = |k: usize| covariance[(k, k)].sqrt();

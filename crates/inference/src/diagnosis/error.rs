@@ -1,4 +1,4 @@
-//! What can be wrong with a problem.
+//! Errors of a problem.
 
 /// Why a problem cannot be diagnosed at all; a residual that merely cannot be tested is a
 /// verdict, not an error.
@@ -44,7 +44,7 @@ pub enum Error {
         block: String,
         /// Row inside the block where the factorisation breaks off.
         row: usize,
-        /// What is left of its variance, relative to the variance.
+        /// Remainder of its variance, relative to the variance.
         pivot: f64,
     },
     /// A covariance is not symmetric.
@@ -64,7 +64,7 @@ pub enum Error {
         name: String,
         /// Key where it stands.
         place: &'static str,
-        /// What is wrong with it.
+        /// Its fault.
         problem: &'static str,
     },
 }

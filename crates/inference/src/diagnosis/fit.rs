@@ -12,7 +12,7 @@ use crate::diagnosis::space::Space;
 use crate::diagnosis::tails::upper_tail;
 
 /// An effect whose part that re-tuning cannot absorb is shorter than this share of the whole
-/// counts as absorbed wholly: what is left of it is rounding.
+/// counts as absorbed wholly: its remainder is rounding.
 const ABSORBED: f64 = 1e-7;
 /// Rounds in which amplitudes and the covariance that depends on them are made consistent; each
 /// round shrinks the change by about the share of the added variance.
@@ -227,7 +227,7 @@ impl Fit {
         covariance
     }
 
-    /// Directions along which parameters that are held would go on: unit vectors outside what is absorbed, out of the
+    /// Directions along which held parameters would move on: unit vectors outside what is absorbed, out of the
     /// box. Parameters that move nothing have none.
     pub(crate) fn outward(&self) -> Vec<DVector<f64>> {
         let direction = |held: &Held| {
@@ -285,7 +285,7 @@ impl Fit {
     }
 
     /// Expected score of an effect of this amplitude, off what re-tuning inside the limits can imitate, known by a
-    /// sensitivity that is itself noisy; none where it does not stand out of its noise.
+    /// sensitivity that is itself noisy; `None` if it does not stand out of its noise.
     ///
     /// # Formula
     ///

@@ -24,7 +24,7 @@ pub(crate) struct Gates {
     pub(crate) p: Option<f64>,
     /// The same inside the smooth basis.
     pub(crate) smooth: SmoothTest,
-    /// How each candidate that is off would help (effects of the library); none where absorbed.
+    /// How each candidate that is off would help (effects of the library); `None` if absorbed.
     pub(crate) scores: Vec<Option<Score>>,
     /// Candidates that take part in the directed gate.
     pub(crate) family: Vec<usize>,

@@ -8,11 +8,11 @@ use crate::diagnosis::problem::{Experiment, Problem};
 use crate::diagnosis::summary::{listed, summary};
 use crate::diagnosis::telling_rows::{Pair, Rows};
 
-/// Separation at which two effects are told apart nearly always: P(wrong) = Phi(-2).
+/// Separation at which two effects are distinguished nearly always: P(wrong) = Phi(-2).
 pub(crate) const SEPARATION_TO_REACH: f64 = 4.0;
 /// Expected score from which an effect counts as one that can be seen.
 const SCORE_TO_SEE: f64 = 3.0;
-/// Expected score from which a naming can be expected where nothing in the library looks alike (docs/trials.md).
+/// Expected score from which a naming can be expected if nothing in the library looks alike (docs/trials.md).
 const SCORE_TO_NAME: f64 = 6.0;
 /// Longest plan; more of the same seldom helps.
 const LONGEST_PLAN: usize = 6;
@@ -71,7 +71,7 @@ pub struct PlannedExperiment {
 pub struct QuestionedEffect {
     /// Its name.
     pub name: String,
-    /// The amplitude that the data ask for; none where it is asked of its largest.
+    /// The amplitude that the data ask for; `None` if it is asked of its largest.
     pub amplitude: Option<f64>,
 }
 
@@ -97,7 +97,7 @@ struct Task {
 
 impl Diagnosis {
     /// Effects that an experiment should tell of, the most important first: those that tie, the suspects of an unknown
-    /// cause, or those that re-tuning hides; empty where nothing is in question.
+    /// cause, or those that re-tuning hides; empty if nothing is in question.
     pub fn in_question(&self) -> Vec<QuestionedEffect> {
         let found = |name: &String| {
             let amplitude = self.candidates.get(name)?.amplitude?;
@@ -191,7 +191,7 @@ pub(crate) fn next_measurement(
         .transpose()
 }
 
-/// The question that a diagnosis leaves, restricted to effects of which all experiments can tell; none where it leaves
+/// The question that a diagnosis leaves, restricted to effects that all experiments can show; `None` if it leaves
 /// none.
 fn task(problem: &Problem, diagnosis: &Diagnosis, experiments: &[Experiment]) -> Option<Task> {
     if diagnosis.verdict == Verdict::Refused {
@@ -252,7 +252,7 @@ fn task(problem: &Problem, diagnosis: &Diagnosis, experiments: &[Experiment]) ->
             let largest = |j: &usize| {
                 let ends = problem.candidates[*j].range().map(f64::abs);
                 let largest = ends[0].max(ends[1]);
-                // 1 stands for an amplitude without a limit.
+                // 1 represents an amplitude without a limit.
                 let amplitude = if largest.is_finite() { largest } else { 1.0 };
                 (*j, amplitude)
             };
@@ -278,7 +278,7 @@ fn amplitude_and_error(
     Some((candidate.amplitude?, candidate.se?))
 }
 
-/// Two effects to be told apart; none where the first has no amplitude.
+/// Two effects to be distinguished; `None` if the first has no amplitude.
 fn pair(problem: &Problem, diagnosis: &Diagnosis, effect: usize, rival: usize) -> Option<Pair> {
     let (a, se) = amplitude_and_error(problem, diagnosis, effect)?;
     Some(Pair {
@@ -325,7 +325,7 @@ impl Question {
     }
 
     /// The criterion, and what it has gained: the larger the better. Squares of separations add up over experiments;
-    /// what is beyond the target is no gain, and a pair that is still tied takes none from the others.
+    /// a separation beyond the target is not a gain, and a pair that is still tied takes none from the others.
     fn answered(&self, rows: &Rows, target: Option<f64>) -> (f64, f64) {
         let most = target.map_or(f64::INFINITY, |t| t * t);
         let capped = |squares: &[f64]| squares.iter().map(|d| d.min(most)).sum::<f64>();

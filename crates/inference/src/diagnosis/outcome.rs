@@ -146,17 +146,17 @@ pub struct StructuredResidual {
     pub p_smooth: Option<f64>,
     /// Degrees of freedom of the covariances, when they are estimated: the reference is then F.
     pub covariance_dof: Option<f64>,
-    /// Sum of squares of runs at fitted parameters, without a further step by the slopes; none where the residual is not
+    /// Sum of squares of runs at fitted parameters, without a further step by the slopes; `None` if the residual is not
     /// of such runs.
     pub t_at_fit: Option<f64>,
     /// Its upper tail on as many degrees of freedom as there are values and priors.
     pub p_at_fit: Option<f64>,
 }
 
-/// What is known of a declared parameter.
+/// Known data of a declared parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DeclaredResult {
-    /// Standard error, in its unit; none where it is held at a limit.
+    /// Standard error, in its unit; `None` if it is held at a limit.
     pub se: Option<f64>,
     /// The same without any effect.
     pub se_without: Option<f64>,
@@ -209,7 +209,7 @@ pub struct CandidateResult {
     pub p_max_test: Option<f64>,
     /// ln of the Bayes factor of this effect over an unknown smooth effect.
     pub ln_bf_unknown: Option<f64>,
-    /// Smallest amplitude that is seen with a chance of 90 %; none where the sensitivity does not stand out
+    /// Smallest amplitude that is seen with a chance of 90 %; `None` if the sensitivity does not stand out
     /// of its own noise.
     pub smallest_detectable: Option<f64>,
     /// Whether its largest physical amplitude could be seen.
@@ -225,7 +225,7 @@ pub struct ObservableSupport {
     pub observable: String,
     /// The effect.
     pub effect: String,
-    /// Its score by the rows of this observable alone; none where re-tuning absorbs it there.
+    /// Its score by the rows of this observable alone; `None` if re-tuning absorbs it there.
     pub z: Option<f64>,
 }
 
@@ -253,7 +253,7 @@ pub struct ConditionShare {
 /// Least chance with which noise alone leaves so much on unused conditions as a named effect may leave.
 const LEAST_P_ON_UNUSED: f64 = 0.01;
 
-/// Separation from which on two models are told apart in 19 of 20 cases either way: twice the quantile of 5 %.
+/// Separation from which on two models are distinguished in 19 of 20 cases either way: twice the quantile of 5 %.
 const TOLD_APART: f64 = 3.29;
 
 /// A model in question, by real runs at conditions that nothing has used.
@@ -279,7 +279,7 @@ impl Diagnosis {
     ///
     /// A model does not stand that the values refute (a right one by chance in 5 of 100 cases) or that leaves more than
     /// noise there (1 of 100): its effects leave the answer, but for those of models that stand. The answer is taken back, and its
-    /// effects become suspects, where none stands, or one is left that the values do not tell from what fell. The errors before and
+    /// effects become suspects if none remains, or if one remains that the values do not distinguish from those refuted. The errors before and
     /// after stay.
     #[must_use]
     pub fn checked_by_runs(mut self, before: f64, after: &[CheckedModel], values: usize) -> Self {
@@ -333,7 +333,7 @@ impl Diagnosis {
             self.keep(|name| holds(&standing, name) || !holds(&fallen, name));
             if self.verdict == Verdict::Named && !all_told {
                 self.take_back(
-                    "the answer is withdrawn: the unused conditions do not tell what is left of it from what fell".to_owned(),
+                    "the answer is withdrawn: the unused conditions do not distinguish what remains of it from what they refute".to_owned(),
                 );
             }
         } else if shown.is_some() {

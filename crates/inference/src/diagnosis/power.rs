@@ -66,7 +66,7 @@ fn degrees_of_freedom(design: &PowerDesign) -> usize {
 
 /// Draws campaigns of a design without knowing its sensitivities: each parameter and each effect gets a random shape, over
 /// the conditions of each observable a level, a slope and a bend in each coordinate, and a rest from value to value. The
-/// rules see sensitivities with the noise of runs, an effect run at the size at which it is hidden. What is known of
+/// rules see sensitivities with the noise of runs, an effect run at the size at which it is hidden. Known data of
 /// parameters beforehand, their limits, and the signs and limits of amplitudes are left out. (own derivation)
 ///
 /// # Errors

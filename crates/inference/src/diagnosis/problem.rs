@@ -21,7 +21,7 @@ pub struct Problem {
     pub(crate) limits: Vec<[f64; 2]>,
     /// Whether the residual is that of runs at fitted parameters.
     pub(crate) at_fit: bool,
-    /// What is known of the declared parameters beforehand.
+    /// Known data of the declared parameters beforehand.
     pub(crate) prior: Option<Prior>,
     /// Degrees of freedom of the covariances; none when they are known.
     pub(crate) covariance_dof: Option<f64>,
@@ -44,7 +44,7 @@ pub(crate) struct Candidate {
 }
 
 impl Candidate {
-    /// Least and greatest amplitude that is possible by its limits and its sign; infinite where there is no limit.
+    /// Least and greatest amplitude that is possible by its limits and its sign; infinite if there is no limit.
     pub(crate) fn range(&self) -> [f64; 2] {
         let [least, greatest] = self.ends.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
         match self.sign {
@@ -117,9 +117,9 @@ pub(crate) struct Experiment {
     pub(crate) declared: DMatrix<f64>,
     /// Sensitivities to the library amplitudes (its rows, effects).
     pub(crate) library: DMatrix<f64>,
-    /// Numbers of the effects of which it tells; all where none are given.
+    /// Numbers of the effects of which it tells; all if none are given.
     pub(crate) effects: Option<Vec<usize>>,
-    /// The runs behind its sensitivities; none where these are exact.
+    /// The runs behind its sensitivities; `None` if these are exact.
     pub(crate) runs: Option<RunNoise>,
     pub(crate) cost: f64,
 }

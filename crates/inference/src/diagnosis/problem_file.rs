@@ -112,7 +112,7 @@ pub struct SensitivityRuns {
     pub steps_library: Vec<Option<f64>>,
 }
 
-/// Cost where none is given.
+/// Cost if none is given.
 fn one() -> f64 {
     1.0
 }
@@ -160,7 +160,7 @@ pub struct ProblemFile {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub cov_sensitivities_declared_along: Vec<Vec<f64>>,
     /// Least and greatest shift of each declared parameter from the value at which the residual was taken, at most and at
-    /// least 0, in its unit; null where there is no limit, and absent where there is none at all.
+    /// least 0, in its unit; null if there is no limit, and absent if there is none at all.
     pub shift_limits: Vec<[Option<f64>; 2]>,
     /// Whether the residual is that of runs at parameters that were fitted to these conditions: what re-tuning seems to
     /// take off it then is what no run has shown.
@@ -195,7 +195,7 @@ pub struct ProblemFile {
     pub unused_sensitivities_declared: Vec<Vec<f64>>,
     /// d simulated / d amplitude there (unused rows, effects).
     pub unused_sensitivities_library: Vec<Vec<f64>>,
-    /// Experiments that could be done next; where there are none, the unused conditions serve.
+    /// Experiments that could be done next; if there are none, the unused conditions serve.
     pub candidate_experiments: Vec<ExperimentFile>,
     /// Keys that mean nothing here; each gives a warning.
     #[serde(flatten, skip_serializing)]

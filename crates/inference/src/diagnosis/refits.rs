@@ -213,7 +213,7 @@ impl Diagnosis {
     }
 }
 
-/// Named where nothing ties.
+/// Named if there is no tie.
 fn named_or_tied(groups: &[Vec<String>]) -> Verdict {
     if groups.iter().all(|group| group.len() == 1) {
         Verdict::Named
@@ -328,7 +328,7 @@ mod tests {
         );
     }
 
-    /// The first set leads; what stands in a place of it elsewhere is tied there.
+    /// The first set leads; an effect in the same place of another set is tied with that of the first.
     #[test]
     fn sets_are_grouped_by_place() {
         let set =

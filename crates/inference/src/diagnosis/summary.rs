@@ -130,7 +130,7 @@ fn tie(d: &Diagnosis) -> String {
         append(
             &mut text,
             format_args!(
-                " With the best of them that stands there, the whitened mean square on the unused conditions \
+                " With the best of them that remains, the whitened mean square on the unused conditions \
                  falls by real runs from {before:.2} to {after:.2} (noise alone: 1)."
             ),
         );

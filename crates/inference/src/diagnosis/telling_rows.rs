@@ -24,11 +24,11 @@ pub(crate) struct Rows {
 struct RowNoise {
     /// The first of the rows.
     first: usize,
-    /// How the noise of the columns is told.
+    /// How the noise of the columns is given.
     kind: NoiseKind,
 }
 
-/// How the noise of the columns is told.
+/// How the noise of the columns is given.
 #[derive(Debug, Clone)]
 enum NoiseKind {
     /// Independent errors of the sensitivities to the declared parameters, each with the share that the parameters have of
@@ -43,7 +43,7 @@ enum NoiseKind {
     },
 }
 
-/// Two effects to be told apart.
+/// Two effects to be distinguished.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Pair {
     /// Taken as true.

@@ -35,7 +35,7 @@ pub enum Truth {
         /// Its strength.
         strength: f64,
     },
-    /// Two effects of the library, drawn anew in each campaign.
+    /// Two effects of the library, redrawn in each campaign.
     TwoEffects {
         /// Strength of each alone.
         strength: f64,
@@ -47,19 +47,19 @@ pub enum Truth {
         /// Its strength.
         strength: f64,
     },
-    /// A smooth effect over the conditions that no library holds, drawn anew in each campaign.
+    /// A smooth effect over the conditions that no library holds, redrawn in each campaign.
     Outsider {
         /// Its strength.
         strength: f64,
     },
-    /// One value that was read or written wrongly, drawn anew in each campaign.
+    /// One value that was read or written wrongly, redrawn in each campaign.
     BadValue {
         /// Its error, in standard deviations of that value.
         strength: f64,
     },
 }
 
-/// What came out of the campaigns of one truth; the counts add up to `trials`.
+/// Result of the campaigns of one truth; the counts add up to `trials`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TrialRow {
     /// What was hidden.
@@ -147,7 +147,7 @@ impl TrialRow {
 
 /// Draws campaigns of the design of a problem with known truth, and decides about each, on so many threads: 0 for all cores.
 ///
-/// Drawn are: the noise of the values from the covariance V; its estimate, V times chi2/dof, where V
+/// Each campaign draws the noise of the values from the covariance V; its estimate, V times chi2/dof, where V
 /// is estimated; the noise of the sensitivities, so that the rules work with others than made the
 /// data; the mis-tuning of the declared parameters, normal with the covariance of their fit; the
 /// bench means of the priors about the true values. The residual of the problem is not used. Conditions that
@@ -368,7 +368,7 @@ impl<'a> Design<'a> {
         strength / length * if positive { 1.0 } else { -1.0 }
     }
 
-    /// What imitates an effect that was taken out; none for other truths, and where nothing is left to.
+    /// What imitates an effect that was taken out; `None` for other truths, and if no effect is left to imitate it.
     fn nearest(&self, truth: &Truth) -> Result<Option<NearestEffect>, Error> {
         let Truth::TakenOut { name, strength } = truth else {
             return Ok(None);

@@ -336,7 +336,7 @@ impl Fits<'_> {
         others.map(|(j, _)| j).collect()
     }
 
-    /// The curve of an effect through points; none where they are all at one amplitude.
+    /// The curve of an effect through points; `None` if they are all at one amplitude.
     fn curve(
         &self,
         linear: &Linearisation,
@@ -426,7 +426,7 @@ impl Curve {
         self.direction[to] = -1.0;
     }
 
-    /// Takes the bend by which the amplitudes that were run tell best how much of the direction they show: none where these are
+    /// Takes the bend by which the amplitudes that were run agree best with the fraction of the direction that they show: none if these are
     /// fewer than three.
     fn bend(&mut self, largest: f64) {
         if self.nodes.len() < 3 {

@@ -9,7 +9,7 @@ use crate::{Error, Parameter};
 
 /// Blocks of seeds of the search, one a point: those that the best suspects leave are for the others.
 pub(crate) const BLOCKS_OF_SEARCH: [u64; 6] = [21, 22, 23, 24, 25, 26];
-/// Blocks of seeds of the search that goes on with slopes of the parameters beside the effect.
+/// Blocks of seeds of the search that continues with slopes of the parameters beside the effect.
 pub(crate) const BLOCKS_OF_FURTHER_SEARCH: [u64; 6] = [27, 28, 29, 30, 31, 32];
 /// Most points of one suspect in each search.
 pub(crate) const MOST_POINTS: usize = 4;
@@ -58,12 +58,12 @@ impl Fits<'_> {
     /// Searches the amplitudes of suspects, and takes their sensitivities from where they end.
     ///
     /// A straight line from the fit without a bent effect ends short of it, and what remains there is none of the effect's.
-    /// Between the amplitudes that were run what the effect does is interpolated, beyond the last it goes on; parameters and
+    /// Between the amplitudes that were run what the effect does is interpolated, beyond the last it continues; parameters and
     /// amplitude are fitted, run, and the point is added, until another would gain nothing. What is left in the end is what
     /// runs leave. An effect that shares the noise of the fit, as a camera does, keeps its sensitivity.
     ///
     /// Beside an effect the parameters may act otherwise than without it: friction holds a bed at rest, and little of one that
-    /// is shaken. Where more than noise is left, their slopes are measured at the best point, and the search goes on with these.
+    /// is shaken. Where more than noise is left, their slopes are measured at the best point, and the search continues with these.
     pub(super) fn searched(
         &self,
         mut linear: Linearisation,
@@ -112,7 +112,7 @@ impl Fits<'_> {
         Ok(misfit > assemble::likely_mean_square(values))
     }
 
-    /// The slopes of the parameters beside a point at which an effect is on, with its seeds; none where a step cannot be run.
+    /// The slopes of the parameters beside a point at which an effect is on, with its seeds; `None` if a step cannot be run.
     fn slopes_beside(
         &self,
         linear: &Linearisation,
@@ -139,7 +139,7 @@ impl Fits<'_> {
         Ok(Some(linear.clone().with_slopes_beside(&at.means, &steps)))
     }
 
-    /// The point with an effect that fits best, from points that were run and where to begin without one; none where
+    /// The point with an effect that fits best, from points that were run and where to begin without one; `None` if
     /// nothing could be run. Each new point takes a block of seeds, as long as there is one, and joins the others.
     pub(super) fn search(
         &self,
@@ -191,7 +191,7 @@ impl Fits<'_> {
         Ok(best.map(|(_, point)| point))
     }
 
-    /// Where to run next: where the stretches promise the least cost; none where that is no gain worth its runs.
+    /// Where to run next: where the stretches promise the least cost; `None` if that is not a gain worth its runs.
     fn next_point(
         &self,
         linear: &Linearisation,
@@ -280,7 +280,7 @@ impl Fits<'_> {
         let promised: Means = linear.means_at(effect, about, &setting);
         let cost = assemble::cost(&plan, noise, &setting, &promised)?;
         if *is_beyond {
-            // What bends goes on bending: a point too far lies on the other side, one too near does not.
+            // What bends continues bending: a point too far lies on the other side, one too near does not.
             let end = from.setting.effects[effect];
             let farther = end + FARTHER * (setting.effects[effect] - end);
             setting.effects[effect] = farther.clamp(range[0], range[1]);

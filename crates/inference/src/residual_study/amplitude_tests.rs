@@ -58,7 +58,7 @@ fn plan_to_one(seed: u64) -> ResidualPlan {
     plan
 }
 
-/// What came of some campaigns in which "bend" is hidden.
+/// Result of some campaigns in which "bend" is hidden.
 #[derive(Debug, Default)]
 struct Count {
     /// Named alone.

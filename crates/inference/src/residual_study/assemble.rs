@@ -10,7 +10,7 @@ use crate::diagnosis::{
 use crate::{Error, Parameter, Prior};
 use std::collections::BTreeMap;
 
-/// Beyond so many degrees of freedom a variance is as good as known.
+/// Beyond so many degrees of freedom a variance is nearly known.
 const MANY: f64 = 1e6;
 
 /// Sum of two covariances, the second scaled.
@@ -241,7 +241,7 @@ pub(super) fn cost(
     Ok(squares.map(|z| z * z).sum())
 }
 
-/// What a fit without a value is told.
+/// Message of a fit without a value.
 const NOTHING_USED: Error = Error::Count {
     what: "values at used conditions",
     got: 0,
@@ -261,7 +261,7 @@ pub(super) fn errors(
     })
 }
 
-/// Errors on the used or on the kept conditions; none where nothing was measured there.
+/// Errors on the used or on the kept conditions; `None` if nothing was measured there.
 fn part(
     plan: &ResidualPlan,
     linear: &Linearisation,

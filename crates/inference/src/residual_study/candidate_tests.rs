@@ -106,7 +106,7 @@ fn the_first_candidate_resolves_the_tie() {
     );
 }
 
-/// Where nothing is in question nothing is run at the candidates.
+/// If nothing is in question nothing is run at the candidates.
 #[test]
 fn a_named_effect_asks_for_no_candidate() {
     let mut plan = plan();

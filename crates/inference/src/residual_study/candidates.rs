@@ -30,7 +30,7 @@ pub struct CandidateMeasurement {
     pub minutes: f64,
 }
 
-/// What became of a candidate.
+/// Result of a candidate.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OfferedMeasurement {
     /// Its name.
@@ -41,7 +41,7 @@ pub struct OfferedMeasurement {
     pub runs: usize,
     /// Keys of the runs that gave its sensitivities.
     pub keys: Vec<String>,
-    /// Why it cannot be offered; none where it is.
+    /// Why it cannot be offered; `None` if it is.
     pub left_out: Option<String>,
 }
 
@@ -128,7 +128,7 @@ fn steps(
 
 impl Fits<'_> {
     /// Runs all candidates in one list, and gives the experiments that they are; a candidate that cannot be run at one of
-    /// the points is left out, with the reason. Nothing is run where nothing is in question.
+    /// the points is left out, with the reason. Nothing is run if nothing is in question.
     pub(super) fn candidates(
         &self,
         linear: &Linearisation,

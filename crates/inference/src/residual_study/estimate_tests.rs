@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 /// Of how much a drum is braked.
 const DRAG: f64 = 0.15;
-/// What a slip is told in: with it the noise of a run is 0.0042.
+/// Scale of the slip: the noise of a run is then 0.0042.
 const UNIT: f64 = 0.042;
 /// Angle and slip at a speed, by the friction of the wall and the drag.
 fn braked(rpm: f64, friction: f64, drag: f64) -> [f64; 2] {

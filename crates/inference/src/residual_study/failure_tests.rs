@@ -93,7 +93,7 @@ fn a_run_that_fails_is_left_out_of_its_mean() {
 }
 
 /// One run in nine diverges, anywhere: the planted effect is found as in the study whose runs all end, its amplitude
-/// within four of its standard errors, and each failure is told once and was begun once.
+/// within four of its standard errors; each failing run is begun once and reported once.
 #[test]
 fn a_study_goes_on_without_the_runs_that_fail() {
     let mut plan = plan(1);
@@ -170,7 +170,7 @@ fn a_run_without_an_observable_costs_itself() {
 fn a_condition_that_cannot_be_run_is_left_out_of_the_study() {
     let plan = plan(1);
     let gone = |rpm: f64, fill: f64| fill == 0.2 && (rpm == 5.0 || rpm == 20.0);
-    // One replicate of another condition fails as well: it is not begun again when the study begins anew.
+    // One replicate of another condition fails as well: it is not begun again when the study begins again.
     let one = plan.base.seed + 2;
     let (study, begun) = study(&plan, |r| {
         let (rpm, fill) = (r.condition["rpm"], r.condition["fill"]);

@@ -9,10 +9,10 @@ use crate::Error;
 use crate::diagnosis::{CandidateResult, Diagnosis, Unseen};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Largest number of effects whose sensitivity is measured anew at a time.
+/// Largest number of effects whose sensitivity is measured again at a time.
 pub(crate) const MOST_SUSPECTS: usize = 3;
 /// Blocks of seeds: of the fit without an effect and its corrections, of the model with effects and its corrections,
-/// and the first of the sensitivities measured anew. Block 0 is that of the start.
+/// and the first of the sensitivities measured again. Block 0 is that of the start.
 pub(crate) const BLOCKS_OF_FIT: [u64; 3] = [1, 4, 5];
 pub(crate) const BLOCKS_WITH_EFFECTS: [u64; 4] = [2, 3, 12, 13];
 pub(super) const FIRST_BLOCK_ANEW: u64 = 6;
@@ -62,7 +62,7 @@ pub(super) struct Fits<'a> {
     pub(super) runs_at_kept: usize,
 }
 
-/// Effects that were looked at anew.
+/// Effects whose sensitivity was measured again.
 #[derive(Debug, Default)]
 pub(super) struct Remeasured {
     /// Number of each effect and where it was run, the last look behind the others.
@@ -261,7 +261,7 @@ impl Fits<'_> {
 
     /// Adds effects to the model that was fitted without, and fits parameters and amplitudes together.
     ///
-    /// A lone effect that was looked at anew starts there; one whose amplitude was searched is fitted already.
+    /// A lone effect that was measured again starts there; one whose amplitude was searched is fitted already.
     fn refit(
         &self,
         linear: &Linearisation,

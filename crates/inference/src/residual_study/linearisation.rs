@@ -247,7 +247,7 @@ impl Linearisation {
         promised
     }
 
-    /// The same with slopes that go through two points that were run; none where these do not contradict the slopes,
+    /// The same with slopes that go through two points that were run; `None` if these do not contradict the slopes,
     /// by more than is likely with the noise of the runs.
     ///
     /// # Formula
@@ -307,7 +307,7 @@ impl Linearisation {
         Ok(Some(corrected))
     }
 
-    /// The fewest degrees of freedom of an observable; 0 where no runs tell of any scatter.
+    /// The fewest degrees of freedom of an observable; 0 if no runs show any scatter.
     pub(super) fn least_dof(&self) -> f64 {
         let least = self.noise_dof.iter().copied().fold(f64::INFINITY, f64::min);
         if least.is_finite() { least } else { 0.0 }
@@ -430,7 +430,7 @@ fn same_motion(off: &[Option<&Record>], on: &[Option<&Record>], r: usize) -> boo
     agreeing > 0 && 2 * agreeing >= varying
 }
 
-/// Runs with their observables in the order of the plan; none where a run is left out.
+/// Runs with their observables in the order of the plan; `None` if a run is left out.
 #[derive(Debug, Clone)]
 struct Runs<'a> {
     records: Vec<Option<&'a Record>>,
@@ -463,7 +463,7 @@ impl<'a> Runs<'a> {
     }
 }
 
-/// Whether the runs of each condition are others than those at the start; not so where nothing is run.
+/// Whether the runs of each condition differ from those at the start; false if nothing is run.
 fn moved(plan: &ResidualPlan, start: &Runs<'_>, runs: &Runs<'_>, r: usize) -> Vec<bool> {
     let groups = start.records.chunks(r).zip(runs.records.chunks(r));
     let mut differs = groups.map(|(a, b)| differ(a, b));

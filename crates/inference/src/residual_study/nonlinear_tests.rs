@@ -172,7 +172,7 @@ fn slopes_that_runs_contradict_are_corrected() {
     }
 }
 
-/// Between two points of a linear simulator only noise speaks against the slopes, in 1 of 40 cases by more than the
+/// Between two points of a linear simulator only noise contradicts the slopes, in 1 of 40 cases by more than the
 /// limit (the seed is fixed); where "bend" depends on "a", the corrected slopes go through both points.
 #[test]
 fn slopes_are_corrected_only_where_runs_contradict_them() {

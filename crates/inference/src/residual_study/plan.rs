@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// A condition of the measurements.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct StudyCondition {
-    /// Name of the model that stands for this condition, coordinates and all; that of [`ResidualPlan::base`] under the
+    /// Name of the model that represents this condition, coordinates and all; that of [`ResidualPlan::base`] under the
     /// coordinates below where absent.
     pub model: Option<String>,
     /// Coordinates, as in [`RunRequest::condition`].
@@ -39,7 +39,7 @@ pub struct StudyCondition {
 }
 
 impl StudyCondition {
-    /// What the runs give under the name of an observable of the plan; none where it is not read here.
+    /// What the runs give under the name of an observable of the plan; `None` if it is not read here.
     pub fn name_of<'a>(&'a self, observable: &'a str) -> Option<&'a str> {
         match &self.observables {
             None => Some(observable),

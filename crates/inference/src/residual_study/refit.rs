@@ -41,7 +41,7 @@ pub(super) fn with_effects(
     Ok(setting)
 }
 
-/// Standard errors of the parameters, fitted together with the amplitudes of some effects by the slopes at a point; none where these do not tell them.
+/// Standard errors of the parameters, fitted together with the amplitudes of some effects by the slopes at a point; `None` if these do not identify them.
 ///
 /// # Formula
 ///
@@ -67,7 +67,7 @@ pub(super) fn standard_errors(
     Ok((0..plan.parameters.len()).map(error).collect())
 }
 
-/// Covariance of a fit by slopes of which so much is noise; none where even the noisy ones do not tell all unknowns.
+/// Covariance of a fit by slopes of which so much is noise; `None` if even the noisy ones do not identify all unknowns.
 fn covariance_of(whole: &DMatrix<f64>, noise: &DMatrix<f64>, rows: usize) -> Option<DMatrix<f64>> {
     let root = Cholesky::new(whole.clone())?.l();
     let half = root.solve_lower_triangular(noise)?;

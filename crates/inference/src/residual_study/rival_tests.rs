@@ -39,7 +39,7 @@ fn plan_with(names: &[&str], seed: u64) -> ResidualPlan {
     plan
 }
 
-/// What came of some campaigns.
+/// Result of some campaigns.
 #[derive(Debug, Default, PartialEq, Eq)]
 struct Count {
     /// The truth named alone.

@@ -20,9 +20,9 @@ pub(super) struct Setting {
 /// Means of the observables, (conditions, observables).
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Means {
-    /// Means over the runs; empty rows where none were done.
+    /// Means over the runs; empty rows if none were done.
     pub(super) values: Vec<Vec<f64>>,
-    /// Number of runs behind the means of each condition; 0 where none were done.
+    /// Number of runs behind the means of each condition; 0 if none were done.
     pub(super) n: Vec<usize>,
     /// How the runs scatter about these means.
     pub(super) scatter: Scatter,
@@ -129,7 +129,7 @@ pub(super) fn means_of_each(
         .collect()
 }
 
-/// What came of runs of settings at the used or the kept conditions; a run without an observable that is read there has
+/// Result of runs of settings at the used or the kept conditions; a run without an observable that is read there has
 /// failed: of a bed that shows its surface in one frame alone no fluctuation is known.
 pub(super) fn readable(plan: &ResidualPlan, at: At, results: Vec<Ran>) -> Vec<Ran> {
     let conditions = numbers(plan, at);
@@ -166,7 +166,7 @@ pub(super) fn requests(
         .collect()
 }
 
-/// Means of the runs of a setting; none stands for a run that is left out.
+/// Means of the runs of a setting; `None` for a run that is left out.
 pub(super) fn means_of(
     plan: &ResidualPlan,
     records: &[Option<&Record>],
@@ -176,7 +176,7 @@ pub(super) fn means_of(
     Ok(Means::of(&rows, plan.replicates).spread_over(plan, at == At::Used))
 }
 
-/// Observables of a run, in the order of the plan; none where the run is left out.
+/// Observables of a run, in the order of the plan; `None` if the run is left out.
 pub(super) type Row = Option<Vec<f64>>;
 
 /// Observables of the runs of a setting at the used or the kept conditions, in the order of the plan.

@@ -37,7 +37,7 @@ struct Moderation {
 }
 
 impl Scatter {
-    /// Scatter of one group of rows a condition about their means; not a number stands for what was not read.
+    /// Scatter of one group of rows per condition about their means; NaN marks what was not read.
     pub(super) fn of<'a>(groups: impl Iterator<Item = &'a [Vec<f64>]>, means: &[Vec<f64>]) -> Self {
         let conditions = groups.zip(means).map(|(g, m)| Products::of(g, m));
         Self {
@@ -137,7 +137,7 @@ impl Scatter {
         (each, (0..n).map(of_tested).collect())
     }
 
-    /// How the variances of an observable differ; `pooled` with `dof` where nothing can be said.
+    /// How the variances of an observable differ; `pooled` with `dof` if nothing can be said.
     fn moderation(&self, observable: usize, pooled: f64, dof: usize) -> Moderation {
         let same = Moderation {
             variance: pooled,

@@ -199,7 +199,7 @@ fn few_campaigns_without_a_hidden_effect_report_one() {
     assert!(reported <= 130, "{reported}");
 }
 
-/// Drawn campaigns of the design of a study forecast how often it errs where nothing is hidden: in 4 % of
+/// Drawn campaigns of the design of a study forecast how often it errs if nothing is hidden: in 4 % of
 /// [2000 campaigns](few_campaigns_without_a_hidden_effect_report_one) of this plan. Of twenty studies with a hundred campaigns
 /// each the mean has a standard error of 0.5 %. Parameters that are mis-tuned by twice their standard errors, as if these were
 /// independent, would have it 27 %.
@@ -387,7 +387,7 @@ fn a_tied_effect_that_cannot_be_run_is_told_and_left_out() {
     );
 }
 
-/// An observable without any scatter of the runs, such as a count, is no reason to stop.
+/// An observable whose runs do not scatter, such as a count, does not stop the study.
 #[test]
 fn an_observable_that_does_not_scatter_can_be_fitted() {
     fn counting(request: &RunRequest) -> Result<RunOutcome, SimulatorError> {

@@ -47,7 +47,7 @@ impl<'a> Worker<'a> {
         }
     }
 
-    /// What came of each request, in their order.
+    /// Result of each request, in their order.
     ///
     /// # Errors
     ///

@@ -93,7 +93,7 @@ pub(crate) fn diagnosed(file: ProblemFile) -> inference::diagnosis::Diagnosis {
     diagnose(&problem, &OPTIONS).expect("its covariances can be factorised")
 }
 
-/// An interval without width, where no amplitude passes the test, is not printed as one that knows the amplitude to all digits.
+/// An interval without width, because no amplitude passes the test, is not printed as one that knows the amplitude to all digits.
 #[test]
 fn an_interval_without_width_is_none() {
     let said = |interval95| {
@@ -285,7 +285,7 @@ fn effect_smaller_than_the_noise_is_not_testable() {
 /// The truth is named while its amplitude is possible. Where only a third of it is, nine tenths of the
 /// residual's distance stay: the effect alone is not named, and its amplitude is that third.
 /// An effect like the planted one, whose sensitivity is off by more than a tie allows but leaves no more than noise: runs would
-/// refute it, and where none could be made nothing has. One that leaves structure is refuted all the same, and so is one that
+/// refute it, and if none could be made nothing has. One that leaves structure is refuted all the same, and so is one that
 /// does not help.
 #[test]
 fn an_effect_that_could_not_be_run_is_not_passed_over() {
@@ -428,7 +428,7 @@ fn observable_that_was_not_measured_is_left_out() {
     assert_eq!(diagnosed(file).structured_residual.df, all - 1);
 }
 
-/// Two true effects at once: both are found, none alone is adequate, and their amplitudes are told as they are together.
+/// Two true effects at once: both are found, none alone is adequate, and their amplitudes are reported as they are together.
 #[test]
 fn two_missing_effects_are_found_together() {
     let mut file = with_effect(0, 1.2, 7);
@@ -493,7 +493,7 @@ fn naming_that_fails_on_unused_conditions_is_withdrawn() {
 }
 
 /// Two twins of the hidden effect, one with a fortieth of another effect mixed in, one with a tenth, and no noise:
-/// a tie begins with the effect that made the data and goes on with the nearer twin, whatever the order of the
+/// a tie begins with the effect that made the data and continues with the nearer twin, whatever the order of the
 /// library.
 #[test]
 fn a_tie_begins_with_the_best_effect_and_goes_on_by_likeness() {
@@ -536,7 +536,7 @@ fn effect_that_an_unknown_one_could_be_is_named_only_when_strong() {
     let weak = at(4.0);
     assert_eq!(weak.verdict, Verdict::Unknown, "{}", weak.summary);
     assert_eq!(weak.suspects, ["slip"]);
-    // The factor as it stands in the candidate, in two digits.
+    // The factor as it is in the candidate, in two digits.
     let factor = weak.candidates["slip"].ln_bf_unknown.unwrap().exp();
     assert!((1.0..100.0).contains(&factor), "{factor}");
     let factor = input::quantity::significant(factor, 2);

@@ -159,7 +159,7 @@ fn taken_out(fixture: &str, name: &str, strength: f64, number: usize) -> TrialRo
 }
 
 /// E6 made the data and the library lacks it. E7 resembles it in part, and it is not smooth over the conditions, so
-/// that the rival of smooth unknown effects does not see it. Where what remains is no noise, a member has to stand
+/// that the rival of smooth unknown effects does not see it. Where what remains is not noise, a member has to stand
 /// out of all of it to be named: 4 of 100 campaigns name one falsely, 16 when it has to stand out of the noise alone.
 /// The bound of 10 lies three standard errors (2 each) above what is expected.
 #[test]
@@ -170,7 +170,7 @@ fn outside_effect_that_a_member_resembles_in_part_is_not_named_by_it() {
 }
 
 /// An effect of strength s leaves s sqrt(1 - rho^2) when another one of the correlation rho explains what it can;
-/// the correlations are those of the independent implementation. Twins are told from the others.
+/// the correlations are those of the independent implementation. Twins are distinguished from the others.
 #[test]
 fn nearest_effect_leaves_what_its_correlation_says() {
     for (fixture, effect, twin) in [("single", 6, false), ("tie", 4, true)] {
@@ -193,7 +193,7 @@ fn nearest_effect_leaves_what_its_correlation_says() {
 
 /// The sensitivities of this problem were measured by runs that scatter. That of the smoother filling is 0.9 / 0.14 =
 /// 6.4 standard errors long at its largest amplitude, above the 3 that are asked for, but most of it is the noise of
-/// the runs: it is no candidate, and not named by chance.
+/// the runs: it is not a candidate, and not named by chance.
 #[test]
 fn effect_whose_sensitivity_is_mostly_noise_is_not_testable() {
     let problem = problem("drum");

@@ -114,7 +114,7 @@ fn limits(in_errors: [f64; 4]) -> Vec<[Option<f64>; 2]> {
     vec![limit(0), limit(1)]
 }
 
-/// Where the true parameters lie on limits, the upper tail of the structured residual is a p-value as good as without
+/// Where the true parameters lie on limits, the upper tail of the structured residual is a p-value nearly without
 /// limits: over 2000 draws its distribution is uniform, within the limit of Kolmogorov at 1 %, 1.63 / sqrt(2000).
 #[test]
 fn the_structured_residual_has_its_exact_law_on_the_limits() {
@@ -216,7 +216,7 @@ fn limits_must_hold_the_fitted_value() {
     );
 }
 
-/// Of right effects at twelve standard errors in designs drawn anew, the two checks of what an effect leaves turn down 3 % at
+/// Of right effects at twelve standard errors in designs redrawn, the two checks of what an effect leaves turn down 3 % at
 /// most: 600 designs, three standard errors more, 0.021.
 #[test]
 fn a_right_effect_passes_the_checks_of_what_it_leaves() {

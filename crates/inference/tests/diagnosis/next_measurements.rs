@@ -25,7 +25,7 @@ const MOST_TOLD: f64 = 8.0;
 /// Runs behind each mean.
 const RUNS: f64 = 4.0;
 
-/// What became of ties, measured once more.
+/// Result of ties, measured once more.
 #[derive(Debug, Clone, Copy, Default)]
 struct Resolved {
     /// The hidden effect is named.
@@ -90,7 +90,7 @@ fn next_trials(campaigns: usize, seed: u64) -> NextTrials {
                 counts.tied += 1;
                 continue;
             };
-            // The first values stay as they are: only what is measured anew is drawn.
+            // The first values stay as they are: only what is measured again is drawn.
             let more = drawn.with(&file, choice, &mut stream);
             let second = diagnosed(more, &options);
             let holds = second.effects.contains(&hidden);
@@ -321,7 +321,7 @@ fn the_proposed_measurement_resolves_more_ties_than_one_by_lot() {
     );
 }
 
-/// Prints what became of the ties of 10 000 campaigns: docs/trials.md.
+/// Prints the result of the ties of 10 000 campaigns: docs/trials.md.
 #[test]
 #[ignore = "minutes: `trials/checks.sh next-measurements`"]
 fn table_of_next_measurements() {

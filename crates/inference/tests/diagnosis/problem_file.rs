@@ -65,7 +65,7 @@ fn problem_file_can_be_written_and_read() {
     assert_eq!(read.conditions, file.conditions);
     assert_eq!(read.cov_simulator, file.cov_simulator);
     let odd = text.replacen('{', "{\"colour\": \"red\", ", 1);
-    let read: ProblemFile = serde_json::from_str(&odd).expect("unknown keys are no error");
+    let read: ProblemFile = serde_json::from_str(&odd).expect("unknown keys are not an error");
     let d = diagnosed(read);
     assert!(d.warnings[0].contains("colour"), "{:?}", d.warnings);
 }

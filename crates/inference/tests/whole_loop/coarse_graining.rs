@@ -192,7 +192,7 @@ fn a_check_is_carried_to_the_real_size() {
             cost.runs
         );
     }
-    // Before, real grains were not run either: what is told is carried.
+    // Real grains were not run before either: the correction is carried over.
     let before = real.before.iter().find(|row| row.scene == "two").unwrap();
     let carried = law("two", 0.5, 0.5, 1.0);
     let error = before.simulated.se;

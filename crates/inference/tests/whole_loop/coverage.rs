@@ -92,7 +92,7 @@ fn frames(stream: &mut Stream, correlation: f64) -> ([(f64, f64); 2], f64) {
     ([0, 1].map(|k| (mean[k], sd[k])), found)
 }
 
-/// One parameter from two means of the same ten frames, whose correlation is told as the frames show it. Of 1000 studies the share
+/// One parameter from two means of the same ten frames, whose correlation is reported as the frames show it. Of 1000 studies the share
 /// that holds the truth has a standard error of 0.7 %: 95 +- 2 % is three of them. Fitted as if they were independent, all hold it
 /// at a correlation of -0.9 and 88 % at 0.9.
 #[test]
@@ -130,7 +130,7 @@ fn six_times(model: &str, x: f64) -> Result<Shown, String> {
     shown("y", (5.0 - k) * x)
 }
 
-/// In how many of 100 studies of six experiments b is told as fixed by the data. Their truth is 0.4, and the noise of a run is
+/// In how many of 100 studies of six experiments b is reported as fixed by the data. Their truth is 0.4, and the noise of a run is
 /// larger than the error of a measurement.
 fn studies_that_fix_b(law: Law) -> usize {
     let toy = Toy { law, noise: 0.05 };
@@ -171,7 +171,7 @@ fn saturating(friction: f64) -> f64 {
 /// No parabola over the whole range follows a saturating response.
 /// The surface of the first box misses its runs by several standard errors; in a smaller one it does not. All studies meet what was
 /// measured, and the intervals of 60 hold the truth as often as those that are 95 % do to within three standard errors, 51 times
-/// or more. In the first box alone 3 of them do, and 44 studies are told that nothing meets the measurement.
+/// or more. In the first box alone 3 of them do, and 44 studies report that nothing meets the measurement.
 #[test]
 fn a_saturating_response_is_fitted_where_a_parabola_follows_it() {
     let toy = Toy {

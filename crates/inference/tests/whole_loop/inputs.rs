@@ -61,7 +61,7 @@ fn the_error_of_an_input_is_in_the_standard_error() {
 }
 
 /// Photos show a level of 0.375, which is 2.5 standard deviations of the stated fill away: the fill follows the level, since that is
-/// ten times as exact, the friction is that of the fill found, and a reader is told.
+/// ten times as exact, the friction is that of the fill found, and a remark reports it.
 #[test]
 fn an_input_that_moves_far_is_told() {
     let toy = Toy { law, noise: 0.0001 };

@@ -84,7 +84,7 @@ fn calibrated(problem: &CalibrationProblem) -> Calibration {
     calibrate(&campaign, &Drops, problem, &settings, &|_| {}).expect("all runs give a result")
 }
 
-/// What the residual says; none where nobody asked.
+/// What the residual says; `None` if nobody asked.
 fn residual(found: &Calibration) -> Option<&ResidualStudy> {
     match &found.diagnosis {
         DiagnosisStage::Done(study) => Some(study),
@@ -96,7 +96,7 @@ fn residual(found: &Calibration) -> Option<&ResidualStudy> {
 /// rebound on a third plate, 0.15 as with damping, though 15 standard errors off without it, tells them apart: damping is
 /// named, at (0.3 - 0.15) / 0.3 / 0.55 = 0.91, and with it all three are met, which the loop says and ends well. Without that plate, or
 /// if nothing is missing on it, there is no name. In all three both conditions of the fit are used, though the runs on resin
-/// would fail if they were told of the plate of seeds.
+/// would fail if they received the plate of seeds.
 #[test]
 fn a_kept_condition_that_is_met_gives_the_name() {
     let found = calibrated(&drops(Some(0.15)));

@@ -162,7 +162,7 @@ fn points_of_another_regime_enter_no_surface() {
 }
 
 /// Of four runs of the check, whose seeds follow each other, one slides and stands 5 higher: the mean is that of the three
-/// that roll, 1.8, which was measured; both states are told with their shares.
+/// that roll, 1.8, which was measured; both states are reported with their shares.
 #[test]
 fn two_states_have_no_mean() {
     let toy = Toy {
@@ -239,7 +239,7 @@ fn a_spent_budget_ends_the_search_with_what_there_is() {
 
 /// Two parameters act nearly alike: y = a + 3 b and z = a + 3.1 b. The truth, a = 0.1 and b = 0.3, lies beyond the face a = 0.3 of the
 /// box. There a alone gains next to nothing, for what it mends of y it spoils of z; both together meet all. The box moves, and
-/// the estimate is the truth within four of its standard errors; a search that looks along a alone stops at the face, and tells
+/// the estimate is the truth within four of its standard errors; a search that looks along a alone stops at the face, and reports
 /// that nothing meets the measurements.
 #[test]
 fn a_box_moves_where_two_parameters_gain_together() {

@@ -5,7 +5,7 @@ use super::toy::{
 };
 use inference::{LoopSettings, Role, planned};
 
-/// A run fails beyond a = 0.85: its point is left out with the reason, and the loop goes on.
+/// A run fails beyond a = 0.85: its point is left out with the reason, and the loop continues.
 #[test]
 fn a_run_that_fails_costs_its_own_point() {
     let toy = Toy {
@@ -29,8 +29,8 @@ fn a_run_that_fails_costs_its_own_point() {
     );
 }
 
-/// A screening of two parameters in 12 runs of which two fail: the regression goes on with ten, finds the effect of a
-/// (0.8 over its range, noise 0.01) and leaves b out, and the remark tells the reason.
+/// A screening of two parameters in 12 runs of which two fail: the regression continues with ten, finds the effect of a
+/// (0.8 over its range, noise 0.01) and leaves b out, and the remark gives the reason.
 #[test]
 fn a_screening_goes_on_without_the_runs_that_fail() {
     let toy = Toy {
@@ -88,7 +88,7 @@ fn a_model_that_never_runs_is_an_error_with_its_reason() {
     );
 }
 
-/// A check that cannot be simulated is no check that holds: the result is not met, and says what failed and why.
+/// A check that cannot be simulated is not a check that holds: the result is not met, and says what failed and why.
 #[test]
 fn a_check_whose_runs_fail_is_not_met_and_says_why() {
     let toy = Toy {
@@ -154,7 +154,7 @@ fn an_experiment_that_never_runs_costs_itself_and_not_the_study() {
     );
 }
 
-/// A program that reads none of its parameters meets every measurement by chance: that fixes nothing, and is no success.
+/// A program that reads none of its parameters meets every measurement by chance: that fixes nothing, and is not a success.
 #[test]
 fn a_simulator_that_does_not_respond_is_not_met() {
     let toy = Toy {
@@ -245,7 +245,7 @@ fn measurements_that_contradict_each_other_are_not_met() {
     );
 }
 
-/// All that is wrong with a problem is told at once, before any run.
+/// All faults of a problem are reported at once, before any run.
 #[test]
 fn all_that_cannot_be_meant_is_told_at_once() {
     let mut outside = parameter("a", [0.0, 1.0]);
@@ -269,7 +269,7 @@ fn all_that_cannot_be_meant_is_told_at_once() {
     let error = run(&toy, &problem).unwrap_err().to_string();
     for part in [
         "start 2 lies outside its limits 0 to 1",
-        "the symbol stands twice",
+        "duplicate symbol",
         "low 1 and high 0.5",
         "parameter c: no measurement of role fit depends on it",
         "sd 0",
@@ -279,7 +279,7 @@ fn all_that_cannot_be_meant_is_told_at_once() {
     }
 }
 
-/// Six parameters of one model are screened: those that act go on, the dead ones are dropped and told.
+/// Six parameters of one model are screened: those that act are kept, the others are dropped and reported.
 #[test]
 fn more_than_five_parameters_are_screened_first() {
     let toy = Toy {
@@ -354,7 +354,7 @@ fn ends(law: Law) -> (usize, usize) {
     (not_met, wrong)
 }
 
-/// Runs that miss what their surface meets are no proof that nothing meets it: the surface is corrected and the estimate made again.
+/// Runs that miss what their surface meets do not prove that nothing meets it: the surface is corrected and the estimate made again.
 /// Of a straight line, which can meet the measurement, 5 studies of 100 may say that it does not, and 11 are three standard errors
 /// more; taken as they are, the first three runs say so in 16. A step up between the points of the design, which the scatter of
 /// runs hides, may go unmet, but none of these studies says what its surface contradicts.

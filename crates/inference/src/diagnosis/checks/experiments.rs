@@ -28,7 +28,7 @@ pub(super) fn experiment(
         at.ok_or_else(|| Error::BadName {
             name: effect.clone(),
             place: "candidate_experiments effects",
-            problem: "is no effect of the library",
+            problem: "is not an effect of the library",
         })
     };
     let effects = raw.effects.as_ref().map(|names| {

@@ -29,7 +29,7 @@ fn a_design_without_degrees_of_freedom_sees_nothing() {
 
 /// A lone effect of twelve standard errors, exactly known, is found in all but a few of 100 campaigns: its score is above
 /// the gate by nine standard deviations, and only an unknown effect can stand in its way, in some 10 of 100, or by
-/// chance a rest that is no noise, in 3: of the 87 that are found 80 or fewer come with a chance of 3 %. One of a hundredth of a
+/// chance a rest that is not noise, in 3: of the 87 that are found 80 or fewer come with a chance of 3 %. One of a hundredth of a
 /// standard error is nothing: the gates open by chance in 5 of 100, more than 13 with a chance of 0.0005.
 #[test]
 fn a_large_effect_is_found_and_none_is_not() {
