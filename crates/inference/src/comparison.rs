@@ -2,8 +2,8 @@
 
 use crate::confirmation::mean;
 use crate::intervals::quantile_of;
-use crate::samples::{Asked, Sample, Samples};
-use crate::surface::{Surface, of_regime, usual_regime};
+use crate::samples::{Asked, Sample, Samples, of_regime, usual_regime};
+use crate::surface::Surface;
 use crate::{CalibrationProblem, Comparison, MeasuredMean, Measurement, Role, SimulatedMean};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
@@ -14,7 +14,7 @@ const ALPHA: f64 = 0.05;
 /// Standard errors by which what slopes tell must exceed 0.
 const NOISE: f64 = 2.0;
 
-/// What is known of the models: surfaces about the estimate, pooled scatter.
+/// Known data of the models: surfaces about the estimate, pooled scatter.
 pub(crate) type SurfacesByModel = BTreeMap<usize, Surface>;
 
 /// Compares the measurements of a role with runs at a point.
@@ -199,7 +199,7 @@ fn comparison(
     }
 }
 
-/// Variance of a run and its degrees of freedom: pooled with that about the surfaces of the model where there are any, in which the
+/// Variance of a run and its degrees of freedom: pooled with that about the surfaces of the model if there are any, in which the
 /// scatter of these runs may be already.
 fn scatter(group: &[&Sample], observable: &str, surface: Option<&Surface>) -> (f64, f64) {
     let own = group.len().saturating_sub(1) as f64;

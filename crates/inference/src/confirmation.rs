@@ -2,9 +2,9 @@
 
 use crate::comparison::compare as compared;
 use crate::intervals::{best_of, quantile_of};
-use crate::samples::{Runner, Sample, Samples, first_seed, wanted};
+use crate::samples::{Runner, Sample, Samples, first_seed, of_regime, usual_regime, wanted};
 use crate::search::{Found, Search};
-use crate::surface::{Surface, of_regime, usual_regime};
+use crate::surface::Surface;
 use crate::{ConfirmationRound, ConfirmationRow, Error, Role, SimulatedMean};
 use std::collections::BTreeMap;
 
@@ -44,7 +44,7 @@ struct Judged {
 
 /// Runs the models of the fit at the estimate, and makes it again with surfaces that meet these runs: what a polynomial misses of
 /// a response biases the estimate as long as noise hides it. If runs and surfaces disagree, or the estimate moves, fresh runs follow
-/// at the new one, a few rounds at most. If the runs show that a surface misses them by more than they scatter, the search goes on
+/// at the new one, a few rounds at most. If the runs show that a surface misses them by more than they scatter, the search continues
 /// in a smaller box.
 ///
 /// # Errors

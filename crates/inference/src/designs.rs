@@ -1,5 +1,7 @@
-//! Which design fits the number of parameters, and its points.
+//! Which design fits the number of parameters, and its points in a box.
 
+use crate::region::Region;
+use crate::samples::{Asked, Wanted, wanted};
 use crate::{Error, LoopSettings, SurfaceDesign};
 use experiment_design::{
     AxialDistance, Criterion, Factor, box_behnken, central_composite, fractional_factorial,
@@ -14,6 +16,8 @@ const LEVELS_OF_ONE: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
 const RUNS_OVER_TERMS: f64 = 1.5;
 /// Most parameters of a full two-level factorial; its half is taken for one more, a Plackett-Burman design beyond.
 const MOST_FACTORIAL: usize = 3;
+/// Runs with finer grains of a model that no parameter acts on.
+const FINER_AT_A_POINT: usize = 4;
 
 /// A design in coordinates of the box, -1 to 1.
 #[derive(Debug, Clone, PartialEq)]
@@ -156,6 +160,75 @@ fn repeated(rows: Vec<Vec<f64>>, times: usize) -> Vec<Vec<f64>> {
         .collect()
 }
 
+/// The runs of the design of a model in a box, and those of its inputs, with the coarsest grains; parameters that are not active at
+/// their start. Of finer grains a plane is sampled, so that the trend with the size is known all over the box.
+pub(crate) fn design_runs(
+    asked: Asked<'_>,
+    first_seed: u64,
+    (model, active): (usize, &[usize]),
+    region: &Region,
+) -> Result<Vec<Wanted>, Error> {
+    let parameters = &asked.problem.parameters;
+    let symbols = asked.problem.symbols(active);
+    let design = surface_design(&symbols, asked.settings)?;
+    let mut points = placed(&design.rows, active, region, parameters);
+    let middle = placed(&[vec![0.0; active.len()]], active, region, parameters);
+    let moved = middle.iter().flat_map(|at| input_points(asked, model, at));
+    let times = asked.settings.replicates.max(1);
+    points.extend(moved.flat_map(|at| std::iter::repeat_n(at, times)));
+    let factors = asked.problem.factors_of(model);
+    let mut runs = wanted(first_seed, (model, factors[0]), &points);
+    for &finer in &factors[1..] {
+        let rows = if active.is_empty() {
+            vec![Vec::new(); FINER_AT_A_POINT]
+        } else {
+            slope_design(&symbols, asked.settings.seed)?
+        };
+        let points = placed(&rows, active, region, parameters);
+        let points = points.into_iter();
+        let points: Vec<_> = points
+            .flat_map(|at| std::iter::repeat_n(at, times))
+            .collect();
+        let seed = first_seed + runs.len() as u64;
+        runs.extend(wanted(seed, (model, finer), &points));
+    }
+    Ok(runs)
+}
+
+/// Points that tell how a model depends on its inputs: `at` with one of them at each end of its range.
+pub(crate) fn input_points(asked: Asked<'_>, model: usize, at: &[f64]) -> Vec<Vec<f64>> {
+    let moved = |j: usize| {
+        let parameter = &asked.problem.parameters[j];
+        let ends = parameter.range.into_iter();
+        let ends = ends.filter(|end| *end != parameter.start);
+        ends.map(move |end| {
+            let mut at = at.to_vec();
+            at[j] = end;
+            at
+        })
+    };
+    let inputs = asked.problem.inputs_of(model).into_iter();
+    inputs.flat_map(moved).collect()
+}
+
+/// Coded rows as points of all parameters.
+pub(crate) fn placed(
+    rows: &[Vec<f64>],
+    active: &[usize],
+    region: &Region,
+    parameters: &[crate::Parameter],
+) -> Vec<Vec<f64>> {
+    let start: Vec<f64> = parameters.iter().map(|p| p.start).collect();
+    let point = |row: &Vec<f64>| {
+        let mut at = start.clone();
+        for (&j, x) in active.iter().zip(row) {
+            at[j] = region.natural(j, *x);
+        }
+        at
+    };
+    rows.iter().map(point).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::{slope_design, surface_design};
@@ -207,7 +280,10 @@ mod tests {
                 (Some(row), j) => row[j - 1],
                 (None, _) => 0.0,
             });
-            let inverse = x.tr_mul(&x).try_inverse().expect("all slopes are told");
+            let inverse = x
+                .tr_mul(&x)
+                .try_inverse()
+                .expect("all slopes are identifiable");
             for j in 1..=n {
                 assert!(inverse[(j, j)] < 0.5, "{n} parameters: {}", inverse[(j, j)]);
             }

@@ -1,12 +1,11 @@
 //! The models that the fit did not use, about the estimate; and the estimate from all measurements.
 
 use crate::comparison::SurfacesByModel;
-use crate::designs::slope_design;
+use crate::designs::{input_points, placed, slope_design};
 use crate::intervals::{Uncertainty, best_of, estimates, inputs, test};
 use crate::joint_fit::JointFit;
 use crate::region::Region;
 use crate::samples::{Asked, Samples, Wanted, first_seed, observables, wanted};
-use crate::search::{input_points, placed};
 use crate::surface::{Degree, Surface};
 use crate::{Error, Estimate, JointEstimate, JointPrediction, Role};
 use std::collections::BTreeMap;
@@ -18,7 +17,7 @@ const STANDARD_ERRORS: f64 = 2.0;
 /// Its least half width, as a share of half the box of the file: a slope over less is noise.
 const LEAST_SHARE: f64 = 0.3;
 
-/// A box about the estimate in which a plane stands for the models of the checks.
+/// A box about the estimate in which a plane represents the models of the checks.
 pub(crate) fn region_about(asked: Asked<'_>, at: &[f64], estimates: &[Estimate]) -> Region {
     let parameters = &asked.problem.parameters;
     let half: Vec<f64> = parameters
@@ -91,8 +90,8 @@ pub(crate) fn planes(
         };
         let mut samples = of(about);
         samples.extend(of(at_estimate));
-        let regime = crate::surface::usual_regime(&of(at_estimate));
-        let (inside, _) = crate::surface::of_regime(&samples, &regime);
+        let regime = crate::samples::usual_regime(&of(at_estimate));
+        let (inside, _) = crate::samples::of_regime(&samples, &regime);
         let names = observables(problem, model);
         let (active, inputs) = (problem.tuned_of(model), problem.inputs_of(model));
         let axes = (model, &active[..], &inputs[..]);

@@ -1,11 +1,11 @@
 //! What a calibration will run, before it runs anything.
 
+use crate::designs::design_runs;
 use crate::diagnosis_stage::{lists_of_diagnosis, within_budget};
 use crate::joint::{slope_runs, with_slopes};
 use crate::region::Region;
 use crate::samples::{Asked, Wanted, request, wanted};
 use crate::screening::{screened, screening_runs};
-use crate::search::design_runs;
 use crate::{CalibrationProblem, Error, LoopSettings, Role};
 use campaign::RunRequest;
 
@@ -54,7 +54,7 @@ fn number(lists: &[RunList]) -> usize {
 
 /// The stages of a calibration with their runs.
 ///
-/// Where a run depends on the result of another, the middle of the box stands for the estimate. A diagnosis for which the budget of
+/// Where a run depends on the result of another, the middle of the box represents the estimate. A diagnosis for which the budget of
 /// the settings leaves no runs has none.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! Points to be run, and what came of them.
+//! Points to be run, and their results.
 
 use crate::{CalibrationProblem, CoarseGraining, Error, LoopSettings};
 use campaign::run_store::Record;
@@ -36,7 +36,7 @@ pub(crate) struct Sample {
     pub(crate) key: String,
 }
 
-/// What came of the runs of one model.
+/// Result of the runs of one model.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Samples {
     /// Runs that gave all measured observables.
@@ -90,7 +90,7 @@ pub(crate) fn wanted(
     .collect()
 }
 
-/// The request that a wanted run stands for: it names the parameters on which the model depends, so that the same run
+/// The request that a wanted run represents: it names the parameters on which the model depends, so that the same run
 /// has the same key whatever the other parameters are.
 pub(crate) fn request(problem: &CalibrationProblem, wanted: &Wanted) -> RunRequest {
     let model = &problem.models[wanted.model];
@@ -112,7 +112,7 @@ pub(crate) fn observables(problem: &CalibrationProblem, model: usize) -> Vec<Str
 }
 
 impl Runner<'_> {
-    /// Does all runs in one list, so that no core waits, and gives what came of them by model.
+    /// Does all runs in one list, so that no core waits, and gives their results by model.
     ///
     /// A run that fails costs its own point only.
     ///
@@ -176,4 +176,35 @@ fn sample(
         regime: record.regime().unwrap_or_default().to_owned(),
         key: record.key().to_owned(),
     })
+}
+
+/// Runs of one regime, and those of others with the reason why they stay out.
+pub(crate) fn of_regime<'a>(
+    samples: &'a [Sample],
+    regime: &str,
+) -> (Vec<&'a Sample>, Vec<(&'a Sample, String)>) {
+    let (mut inside, mut outside) = (Vec::new(), Vec::new());
+    for sample in samples {
+        if sample.regime == regime {
+            inside.push(sample);
+        } else {
+            let reason = format!(
+                "it ended up {}, while the surface describes {regime}",
+                sample.regime
+            );
+            outside.push((sample, reason));
+        }
+    }
+    (inside, outside)
+}
+
+/// The regime of most runs; of equally many the one that comes first.
+pub(crate) fn usual_regime(samples: &[Sample]) -> String {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for sample in samples {
+        *counts.entry(&sample.regime).or_default() += 1;
+    }
+    let most = counts.values().copied().max().unwrap_or(0);
+    let first = samples.iter().find(|s| counts[s.regime.as_str()] == most);
+    first.map_or_else(String::new, |s| s.regime.clone())
 }

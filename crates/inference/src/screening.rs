@@ -1,9 +1,8 @@
 //! Which parameters of a model matter for what was measured of it.
 
-use crate::designs::coded_factors;
+use crate::designs::{coded_factors, placed};
 use crate::region::Region;
 use crate::samples::{Asked, Runner, Samples, Wanted, first_seed, observables, wanted};
-use crate::search::placed;
 use crate::{CalibrationProblem, Error, ModelScreening, Role, ScreeningChoice};
 use experiment_design::{Design, plackett_burman};
 use response_surface::{Observations, Screening, screen};
@@ -17,7 +16,7 @@ const STAGE: u64 = 1;
 /// What the screenings say.
 #[derive(Debug)]
 pub(crate) struct Screened {
-    /// Numbers of the parameters that go on, by model of role fit.
+    /// Numbers of the parameters that continue, by model of role fit.
     pub(crate) active: BTreeMap<usize, Vec<usize>>,
     /// The screenings.
     pub(crate) screenings: Vec<ModelScreening>,
@@ -61,7 +60,7 @@ pub(crate) fn screening_runs(
 
 /// Screens all models that need it.
 ///
-/// A parameter goes on where its effect on an observable has p below the level of the settings, against replicates where
+/// A parameter continues where its effect on an observable has p below the level of the settings, against replicates if
 /// there are any, else against the dummy columns; and the first ones by rank do, as many as the settings ask for.
 ///
 /// # Errors
@@ -145,7 +144,7 @@ fn screenings(
     Ok(screenings)
 }
 
-/// Numbers of the parameters that go on.
+/// Numbers of the parameters that continue.
 fn kept(asked: Asked<'_>, model: usize, screenings: &BTreeMap<String, Screening>) -> Vec<usize> {
     let Asked { problem, settings } = asked;
     let passes = |symbol: &str| {

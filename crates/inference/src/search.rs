@@ -1,39 +1,24 @@
 //! The search for the estimate: surfaces in a box, and the next box where the measurements are out of reach.
 
-use crate::designs::{slope_design, surface_design};
+mod next_box;
+mod shown;
+
+use crate::designs::design_runs;
 use crate::diagnosis::Whitener;
 use crate::intervals::best_of;
 use crate::joint_fit::{JointFit, Minimum};
-use crate::lack_of_fit::{Missed, missed};
 use crate::region::Region;
 use crate::samples::{
-    Asked, Runner, Sample, Samples, Wanted, first_seed, observables, request, wanted,
+    Runner, Sample, Samples, Wanted, first_seed, observables, of_regime, request, usual_regime,
 };
-use crate::surface::{Degree, Surface, of_regime, too_few, usual_regime};
-use crate::{
-    CalibrationProblem, Error, LeftOut, ModelSurfaces, PlannedStage, Role, RunList, SearchBox,
-    SurfaceDesign,
-};
-use input::quantity::significant;
-use nalgebra::{DMatrix, DVector};
+use crate::surface::{Degree, Surface, too_few};
+use crate::{CalibrationProblem, Error, PlannedStage, Role, RunList, SearchBox, SurfaceDesign};
+use next_box::Next;
+pub(crate) use next_box::acts;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A coordinate so near to 1 lies on the face of the box.
-const ON_THE_FACE: f64 = 0.999;
-/// Slope over its standard error from which a parameter counts as acting on an observable.
-const ACTS: f64 = 3.0;
-/// Fall of Q behind the face that is worth a new box: 0.05 is a fifth of a standard error.
-const WORTH: f64 = 0.05;
 /// Runs of boxes before are used again up to so many half widths from the middle of the new one.
 const NEAR: f64 = 1.25;
-/// Singular values below this are those of columns that do nothing.
-const IMITATED: f64 = 1e-12;
-/// Least and largest way from a face to the middle of the next box, in half widths.
-const WAY: [f64; 2] = [0.25, 2.0];
-/// Width of the next box over that of one whose surfaces miss their runs.
-const NEARER: f64 = 0.4;
-/// Runs with finer grains of a model that no parameter acts on.
-const FINER_AT_A_POINT: usize = 4;
 /// First stage number of the boxes; the stage sets the seeds.
 const STAGE_OF_BOXES: u64 = 10;
 
@@ -66,14 +51,6 @@ pub(crate) struct Search<'a> {
     pub(crate) boxes: Vec<SearchBox>,
     /// What a reader should know.
     pub(crate) remarks: Vec<String>,
-}
-
-/// Where the search goes from a box.
-enum Next {
-    /// Nowhere: what is best lies inside, or where nothing is to be gained beyond, and the surfaces meet their runs.
-    Stay,
-    /// To another box, with the reason.
-    Move(Region, String),
 }
 
 impl<'a> Search<'a> {
@@ -134,8 +111,8 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Goes on in a smaller box where fresh runs at the best point, or the runs behind a surface, tell that it misses them, and
-    /// says whether it did; what was found before otherwise, or where no box is left.
+    /// Continues in a smaller box if fresh runs at the best point, or the runs behind a surface, show that it misses them, and
+    /// says whether it did; what was found before otherwise, or if no box is left.
     ///
     /// # Errors
     ///
@@ -266,7 +243,7 @@ impl<'a> Search<'a> {
         self.samples.contains_key(&model) && self.boxes.iter().any(same)
     }
 
-    /// Goes on without the models of which no surface can be made; their measurements are not met.
+    /// Continues without the models of which no surface can be made; their measurements are not met.
     ///
     /// # Errors
     ///
@@ -330,146 +307,12 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Where the search goes from a box.
-    ///
-    /// The box moves along every parameter whose face holds the best point back from a lower misfit, if the parameter
-    /// acts on a measured observable beyond doubt: the slope of a dead one is noise. It moves as far as the plane
-    /// through the best point says, and grows with the way.
-    fn next(&self, found: &Found) -> Result<Next, Error> {
-        let parameters = &self.runner.problem.parameters;
-        let fit = found.fit(self.runner.problem);
-        let best = best_of(&found.minima)?;
-        let (r, jacobian) = fit.residuals(&best.coded, &found.whitening, &[]);
-        let (mut centre, mut half) = (found.region.middle(), Vec::new());
-        let mut moved = Vec::new();
-        for (j, parameter) in parameters.iter().enumerate() {
-            half.push(found.region.half(j));
-            let x = best.coded[j];
-            let face = found.region.natural(j, x.signum());
-            let at_limit = face <= parameter.limits[0] || face >= parameter.limits[1];
-            let column = with_others(&fit, &jacobian, best, j);
-            let pull = -column.dot(&r) * x.signum();
-            let information = column.norm_squared();
-            let gain = pull * pull / information;
-            let outward = fit.free[j] && x.abs() > ON_THE_FACE && pull > 0.0;
-            // A curved surface is known best in the middle of the box, and may be flat there.
-            let middle = found.region.middle();
-            let acting = acts(&fit, j, &found.best) || acts(&fit, j, &middle);
-            if !outward || at_limit || gain < WORTH || !acting {
-                continue;
-            }
-            let way = (pull / information).clamp(WAY[0], WAY[1]);
-            centre[j] = face + x.signum() * way * half[j];
-            half[j] *= way.max(1.0);
-            moved.push(format!(
-                "{} {} {}",
-                parameter.symbol,
-                if x > 0.0 { "above" } else { "below" },
-                significant(face, 4)
-            ));
-        }
-        if moved.is_empty() {
-            return Ok(self.smaller(found, &BTreeMap::new()));
-        }
-        let region = Region::about(&centre, &half, parameters);
-        Ok(Next::Move(
-            region,
-            format!("the misfit falls towards {}", moved.join(", ")),
-        ))
-    }
-
-    /// A smaller box about the best point, along the parameters of the surfaces that miss their runs; nowhere where none does.
-    ///
-    /// What is curved otherwise than a polynomial is less so in a smaller box. But there slopes are known less well: along a
-    /// parameter whose slope would no longer stand out of its noise the box stays.
-    fn smaller(&self, found: &Found, fresh: &BTreeMap<usize, Samples>) -> Next {
-        let problem = self.runner.problem;
-        let (mut half, mut centre) = (found.region.halves(), found.region.middle());
-        let mut worst: Option<Missed> = None;
-        for surface in &found.surfaces {
-            let at_best = fresh.get(&surface.model).map_or(&[][..], |runs| &runs.done);
-            let (at_best, _) = of_regime(at_best, self.regime(surface.model));
-            let used = self.used(surface, &found.region);
-            for missed in missed(problem, surface, &used, (&found.best, &at_best)) {
-                // A curved surface may be flat at its best point.
-                let stays_known = |j: usize| {
-                    let at = [found.best.clone(), found.region.middle()];
-                    let z = at.map(|at| missed.slope_in_errors(surface, j, &at).abs());
-                    NEARER * z[0].max(z[1]) > ACTS
-                };
-                let along: Vec<usize> = self.active[&surface.model]
-                    .iter()
-                    .copied()
-                    .filter(|&j| stays_known(j))
-                    .collect();
-                for &j in &along {
-                    half[j] = NEARER * found.region.half(j);
-                    centre[j] = found.best[j];
-                }
-                let is_worse = |other: &Missed| missed.in_errors > other.in_errors;
-                if !along.is_empty() && worst.as_ref().is_none_or(is_worse) {
-                    worst = Some(missed);
-                }
-            }
-        }
-        worst.map_or(Next::Stay, |worst| {
-            let region = Region::about(&centre, &half, &problem.parameters);
-            Next::Move(region, worst.in_words(problem))
-        })
-    }
-
     /// The runs behind the surface of a model in a box.
     pub(crate) fn used(&self, surface: &Surface, region: &Region) -> Vec<&Sample> {
         let samples = self.samples.get(&surface.model);
         let done = samples.map_or(&[][..], |samples| &samples.done);
         let (inside, _) = of_regime(done, self.regime(surface.model));
         near(inside, &surface.parameters, region)
-    }
-
-    /// The surfaces of the result, over the parameters that are tuned. Their points are the runs with the inputs as stated and the
-    /// coarsest grains, carried to the real size.
-    pub(crate) fn model_surfaces(&self, found: &Found) -> Result<Vec<ModelSurfaces>, Error> {
-        let problem = self.runner.problem;
-        let mut shown = Vec::new();
-        for surface in &found.surfaces {
-            let model = surface.model;
-            let samples = self.samples.get(&model).cloned().unwrap_or_default();
-            let regime = self.regime.get(&model).cloned().unwrap_or_default();
-            let (_, outside) = of_regime(&samples.done, &regime);
-            let stated = |s: &&Sample| {
-                let inputs = problem.inputs_of(model);
-                inputs
-                    .iter()
-                    .all(|&j| s.at[j] == problem.parameters[j].start)
-            };
-            let all = self.used(surface, &found.region);
-            let mut used = all.clone();
-            used.retain(stated);
-            used.retain(|s| s.factor == problem.coarsest_of(model));
-            let used: Vec<Sample> = used.into_iter().map(|s| surface.for_real_size(s)).collect();
-            let own = |at: &[f64]| -> Vec<f64> { surface.tuned().iter().map(|&j| at[j]).collect() };
-            let other = outside.iter().map(|(s, reason)| (&s.at, reason));
-            let failed = samples.failed.iter().map(|(at, reason)| (at, reason));
-            let left_out = other.chain(failed).map(|(at, reason)| LeftOut {
-                point: own(at),
-                reason: reason.clone(),
-            });
-            let symbols = problem.symbols(surface.tuned());
-            let value = |k: usize, s: &Sample| s.values[&surface.observables[k]];
-            shown.push(ModelSurfaces {
-                model: problem.models[model].name.clone(),
-                design: surface_design(&symbols, self.runner.settings)?.name,
-                n_runs: all.len(),
-                left_out: left_out.collect(),
-                points: used.iter().map(|s| own(&s.at)).collect(),
-                keys: used.iter().map(|s| s.key.clone()).collect(),
-                values: surface.by_observable(|k| used.iter().map(|s| value(k, s)).collect()),
-                shifts: surface.by_observable(|k| surface.shift(k)),
-                fits: surface.by_observable(|k| surface.analysis(problem, &all, k)),
-                symbols,
-            });
-        }
-        Ok(shown)
     }
 
     /// The regime that the surfaces of a model describe; empty where the simulator tells none.
@@ -485,75 +328,6 @@ impl Found {
     }
 }
 
-/// The runs of the design of a model in a box, and those of its inputs, with the coarsest grains; parameters that are not active at
-/// their start. Of finer grains a plane is sampled, so that the trend with the size is known all over the box.
-pub(crate) fn design_runs(
-    asked: Asked<'_>,
-    first_seed: u64,
-    (model, active): (usize, &[usize]),
-    region: &Region,
-) -> Result<Vec<Wanted>, Error> {
-    let parameters = &asked.problem.parameters;
-    let symbols = asked.problem.symbols(active);
-    let design = surface_design(&symbols, asked.settings)?;
-    let mut points = placed(&design.rows, active, region, parameters);
-    let middle = placed(&[vec![0.0; active.len()]], active, region, parameters);
-    let moved = middle.iter().flat_map(|at| input_points(asked, model, at));
-    let times = asked.settings.replicates.max(1);
-    points.extend(moved.flat_map(|at| std::iter::repeat_n(at, times)));
-    let factors = asked.problem.factors_of(model);
-    let mut runs = wanted(first_seed, (model, factors[0]), &points);
-    for &finer in &factors[1..] {
-        let rows = if active.is_empty() {
-            vec![Vec::new(); FINER_AT_A_POINT]
-        } else {
-            slope_design(&symbols, asked.settings.seed)?
-        };
-        let points = placed(&rows, active, region, parameters);
-        let points = points.into_iter();
-        let points: Vec<_> = points
-            .flat_map(|at| std::iter::repeat_n(at, times))
-            .collect();
-        let seed = first_seed + runs.len() as u64;
-        runs.extend(wanted(seed, (model, finer), &points));
-    }
-    Ok(runs)
-}
-
-/// Points that tell how a model depends on its inputs: `at` with one of them at each end of its range.
-pub(crate) fn input_points(asked: Asked<'_>, model: usize, at: &[f64]) -> Vec<Vec<f64>> {
-    let moved = |j: usize| {
-        let parameter = &asked.problem.parameters[j];
-        let ends = parameter.range.into_iter();
-        let ends = ends.filter(|end| *end != parameter.start);
-        ends.map(move |end| {
-            let mut at = at.to_vec();
-            at[j] = end;
-            at
-        })
-    };
-    let inputs = asked.problem.inputs_of(model).into_iter();
-    inputs.flat_map(moved).collect()
-}
-
-/// Coded rows as points of all parameters.
-pub(crate) fn placed(
-    rows: &[Vec<f64>],
-    active: &[usize],
-    region: &Region,
-    parameters: &[crate::Parameter],
-) -> Vec<Vec<f64>> {
-    let start: Vec<f64> = parameters.iter().map(|p| p.start).collect();
-    let point = |row: &Vec<f64>| {
-        let mut at = start.clone();
-        for (&j, x) in active.iter().zip(row) {
-            at[j] = region.natural(j, *x);
-        }
-        at
-    };
-    rows.iter().map(point).collect()
-}
-
 /// Runs that lie in a box or near it.
 fn near<'s>(samples: Vec<&'s Sample>, active: &[usize], region: &Region) -> Vec<&'s Sample> {
     let is_near = |s: &&Sample| {
@@ -562,32 +336,4 @@ fn near<'s>(samples: Vec<&'s Sample>, active: &[usize], region: &Region) -> Vec<
             .all(|&j| region.coded(j, s.at[j]).abs() <= NEAR)
     };
     samples.into_iter().filter(is_near).collect()
-}
-
-/// How the whitened residuals change with parameter j, coded, while those that lie inside the box follow it: the part of its column
-/// that theirs cannot imitate. Of two parameters that act alike one alone gains next to nothing beyond its face, and both together
-/// much.
-fn with_others(
-    fit: &JointFit<'_>,
-    jacobian: &DMatrix<f64>,
-    best: &Minimum,
-    j: usize,
-) -> DVector<f64> {
-    let follows = |k: &usize| *k != j && fit.free[*k] && best.coded[*k].abs() <= ON_THE_FACE;
-    let others: Vec<usize> = (0..fit.parameters.len()).filter(follows).collect();
-    let column = jacobian.column(j).into_owned();
-    if others.is_empty() {
-        return column;
-    }
-    let others = jacobian.select_columns(&others);
-    let along = others.clone().svd(true, true).solve(&column, IMITATED);
-    // Both sides of the decomposition are there, so that it can be solved.
-    along.map_or_else(|_| column.clone(), |along| &column - others * along)
-}
-
-/// Whether a parameter acts on a measured observable beyond doubt.
-pub(crate) fn acts(fit: &JointFit<'_>, j: usize, at: &[f64]) -> bool {
-    let slope =
-        |t: &crate::joint_fit::Target| fit.surfaces[t.surface].slope_in_errors(t.observable, j, at);
-    fit.targets.iter().any(|t| slope(t).abs() > ACTS)
 }
