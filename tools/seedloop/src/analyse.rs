@@ -60,7 +60,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value = "quadratic")]
     model: String,
 
-    /// Fits a function of the response instead, ln, log10, sqrt, inverse or power:P; predictions and intervals are told in
+    /// Fits a function of the response instead, ln, log10, sqrt, inverse or power:P; predictions and intervals are in
     /// the unit of the response as well
     #[arg(long, value_name = "FUNCTION", conflicts_with_all = ["sd", "n", "groups"])]
     transform: Option<Transform>,
@@ -124,7 +124,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "POINTS.csv", conflicts_with = "groups")]
     predict: Option<PathBuf>,
 
-    /// Tells which share of the variance of the surface over the ranges each factor makes, alone and in all (Sobol indices)
+    /// Reports which share of the variance of the surface over the ranges each factor makes, alone and in all (Sobol indices)
     #[arg(long, conflicts_with = "groups")]
     sensitivity: bool,
 
@@ -210,7 +210,7 @@ impl Arguments {
     }
 }
 
-/// The analysis as it stands in JSON: the keys of [`Fit`] at the top.
+/// The analysis in JSON: the keys of [`Fit`] at the top.
 #[derive(Debug, Serialize)]
 struct Report<'a> {
     /// Version, seed, inputs.
@@ -302,7 +302,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         .map_err(|e| anyhow!("{}: {e}", arguments.data.display()))?;
     model.clone_from(&fit.formula);
     if named.is_some() {
-        // The box of the columns of levels is no set of settings.
+        // The box of the columns of levels contains no settings.
         (fit.canonical, fit.box_extremes) = (None, None);
     }
     let level_tests = match &named {

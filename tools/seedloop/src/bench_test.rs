@@ -50,7 +50,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "PARAMETERS.toml", requires = "scene")]
     set_file: Option<PathBuf>,
 
-    /// Material of the plate, as the scene names it; that of the seeds stands for a plate of seeds
+    /// Material of the plate, as the scene names it; that of the seeds makes a plate of seeds
     #[arg(long, value_name = "MATERIAL", requires = "scene")]
     plate: Option<String>,
 
@@ -79,7 +79,7 @@ pub(crate) struct Arguments {
     common: Common,
 }
 
-/// A coefficient as it stands in JSON.
+/// A coefficient in JSON.
 #[derive(Debug, Serialize)]
 struct Report {
     /// Version, seed, inputs.
@@ -116,7 +116,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         || arguments.kind.is_some();
     ensure!(
         arguments.scene.is_some() || !simulates,
-        "--repeats, --seed, --height-mm, --set-file, --plate and --kind are for a test with the solver; give --scene in place \
+        "--repeats, --seed, --height-mm, --set-file, --plate and --kind are for a test with the solver; give --scene instead \
          of a table, or leave them out"
     );
     ensure!(
@@ -266,7 +266,7 @@ fn apparatus(
     })
 }
 
-/// Values of an observable; none where the run does not give it.
+/// Values of an observable; `None` if the run does not give it.
 fn values<'a>(result: &'a RunResult, name: &str) -> &'a [f64] {
     let mut observables = result.observables.iter();
     observables

@@ -30,7 +30,7 @@ pub(crate) struct Arguments {
     #[arg(value_name = "STUDY.toml")]
     study: PathBuf,
 
-    /// Profile of the study file [default: the file as it stands]
+    /// Profile of the study file [default: none]
     #[arg(long, value_name = "NAME")]
     profile: Option<String>,
 
@@ -46,7 +46,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// Go on in a folder that exists: finished runs are reused, result files are renewed
+    /// Continue in a folder that exists: finished runs are reused, result files are renewed
     #[arg(long)]
     resume: bool,
 
@@ -136,7 +136,7 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
     })
 }
 
-/// Refuses a folder with results of an earlier run, unless the user said that it is to go on.
+/// Refuses a folder with results of an earlier run, unless the user said that it is to continue.
 pub(crate) fn refuse_used_folder(
     folder: &Path,
     resume: bool,
@@ -148,14 +148,14 @@ pub(crate) fn refuse_used_folder(
         .is_ok_and(|mut entries| entries.next().is_some());
     anyhow::ensure!(
         allowed || !used,
-        "{} holds the results of an earlier run: give --resume to go on with it (finished runs \
+        "{} holds the results of an earlier run: give --resume to continue with it (finished runs \
          are reused), or another --out",
         folder.display()
     );
     Ok(())
 }
 
-/// Where the progress of the runs is told.
+/// Where the progress of the runs is reported.
 pub(crate) fn progress_lines(common: &Common) -> LineProgress {
     let errors = std::io::stderr();
     if common.quiet {

@@ -61,7 +61,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, conflicts_with = "alpha")]
     axial: Option<Axial>,
 
-    /// Axial distance of ccd in half-ranges, in place of --axial
+    /// Axial distance of ccd in half-ranges, instead of --axial
     #[arg(long, value_name = "HALF-RANGES")]
     alpha: Option<f64>,
 

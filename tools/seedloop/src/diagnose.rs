@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// Tells which effect, if any, a residual that re-tuning cannot remove speaks for
+/// States which effect, if any, explains a residual that no parameters remove
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Example:\n  seedloop diagnose study.toml --resume")]
 pub(crate) struct Arguments {
@@ -19,7 +19,7 @@ pub(crate) struct Arguments {
     #[arg(value_name = "STUDY.toml|PROBLEM.json")]
     file: PathBuf,
 
-    /// Profile of a study [default: the file as it stands]
+    /// Profile of a study [default: none]
     #[arg(long, value_name = "NAME")]
     profile: Option<String>,
 
@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// Go on in a folder that exists: finished runs are reused, result files are renewed
+    /// Continue in a folder that exists: finished runs are reused, result files are renewed
     #[arg(long)]
     resume: bool,
 
@@ -54,7 +54,7 @@ pub(crate) struct Arguments {
     common: Common,
 }
 
-/// The answer as it stands in JSON; the seed is the diagnosis' own.
+/// The answer in JSON; the seed is the diagnosis' own.
 #[derive(Debug, Serialize)]
 struct Report<'a> {
     /// Version of the program.
@@ -116,7 +116,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     Ok(exit_code(diagnosis.verdict))
 }
 
-/// An answer that says nothing about any effect is no success.
+/// An answer that says nothing about any effect is not a success.
 pub(crate) fn exit_code(verdict: Verdict) -> u8 {
     match verdict {
         Verdict::Refused | Verdict::NotTestable => NOT_MET,

@@ -37,7 +37,7 @@ pub(crate) struct Options {
     pub(crate) seed: u64,
     /// Result folder.
     pub(crate) out: Option<PathBuf>,
-    /// Whether to go on in a folder that exists.
+    /// Whether to continue in a folder that exists.
     pub(crate) resume: bool,
     /// Whether nothing is to be run.
     pub(crate) plan_only: bool,
@@ -47,17 +47,17 @@ pub(crate) struct Options {
     pub(crate) wait: Option<Duration>,
 }
 
-/// The answer as it stands in JSON: the keys of a diagnosis, then the whole result.
+/// The answer in JSON: the keys of a diagnosis, then the whole result.
 #[derive(Debug, Serialize)]
 struct Report<'a> {
-    /// The diagnosis; none where it was left out.
+    /// The diagnosis; `None` if it was left out.
     #[serde(flatten)]
     diagnosis: Option<&'a Diagnosis>,
     /// What it was made of, and the model with the effect.
     result: &'a DiagnosisResult,
 }
 
-/// What would be run as it stands in JSON: the problem of the study, and the price.
+/// What would be run in JSON: the problem of the study, and the price.
 #[derive(Debug, Serialize)]
 struct Plan<'a> {
     /// What is asked.

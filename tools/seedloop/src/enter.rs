@@ -1,4 +1,4 @@
-//! Entering the folder of a campaign: its owner is told, and a machine that is too small.
+//! Entering the folder of a campaign: reports another owner, and a machine that is too small.
 
 use anyhow::{Context as _, bail};
 use campaign::run_store::{ClaimKeeper, Entry, Store};
@@ -48,7 +48,7 @@ pub(crate) fn work_of(
 /// Refuses runs that would take more memory than this machine has left; `at_a_time` runs are done side by side.
 ///
 /// # Errors
-/// The estimate, what is there, and the way out.
+/// The estimate, what there is, and the remedy.
 pub(crate) fn require_memory<'s>(
     scenes: impl IntoIterator<Item = &'s Scene>,
     at_a_time: usize,
@@ -71,7 +71,7 @@ pub(crate) fn require_memory<'s>(
 }
 
 /// Memory that this process may still take, B: the least of what the system has available and of the limit of the process.
-/// None where the system does not tell.
+/// `None` if the system does not say.
 fn memory_left() -> Option<f64> {
     let system = fs::read_to_string("/proc/meminfo").ok()?;
     let limits = fs::read_to_string("/proc/self/limits").unwrap_or_default();
@@ -80,7 +80,7 @@ fn memory_left() -> Option<f64> {
         line.split_whitespace().next()?.parse().ok()
     };
     let available = 1024.0 * number(&system, "MemAvailable:")?;
-    // The word "unlimited" is no number.
+    // The word "unlimited" is not a number.
     let limit = number(&limits, "Max address space").unwrap_or(f64::INFINITY);
     Some(available.min(limit))
 }

@@ -58,7 +58,7 @@ pub(crate) struct Arguments {
     common: Common,
 }
 
-/// What was written, as it stands in JSON.
+/// What was written, in JSON.
 #[derive(Debug, Serialize)]
 struct Report {
     /// Version, seed, inputs.
@@ -131,7 +131,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     Ok(DONE)
 }
 
-/// Writes all files, or none where one of them exists.
+/// Writes all files, or none if one of them exists.
 fn write_all(arguments: &Arguments, files: &[File]) -> anyhow::Result<()> {
     let folder = &arguments.out;
     for file in files {

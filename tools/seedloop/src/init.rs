@@ -34,7 +34,7 @@ pub(crate) struct Arguments {
     common: Common,
 }
 
-/// What was written, as it stands in JSON.
+/// What was written, in JSON.
 #[derive(Debug, Serialize)]
 struct Report {
     /// Version of the program.

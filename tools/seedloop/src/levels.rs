@@ -5,7 +5,7 @@ use command_line::significant;
 use response_surface::{Categorical, Fit, Transform};
 use serde::Serialize;
 
-/// Most combinations of levels that are told one by one.
+/// Most combinations of levels that are reported one by one.
 const MOST_COMBINATIONS: usize = 100;
 
 /// A level of each named factor.

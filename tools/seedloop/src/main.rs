@@ -61,7 +61,7 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
-    /// Tells which effect, if any, a residual that re-tuning cannot remove speaks for
+    /// States which effect, if any, explains a residual that no parameters remove
     Diagnose(diagnose::Arguments),
     /// Reads bench measurements, or does the same test with the solver
     BenchTest(bench_test::Arguments),

@@ -105,7 +105,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     at: Vec<String>,
 
-    /// Standard deviations of the factors in use: B=0.01,E=0.005. Tells what they do to the response,
+    /// Standard deviations of the factors in use: B=0.01,E=0.005. Reports what they do to the response,
     /// and the solution at which they do least
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     factor_sd: Vec<String>,
@@ -151,7 +151,7 @@ impl Arguments {
     }
 }
 
-/// The answer as it stands in JSON.
+/// The answer in JSON.
 #[derive(Debug, Serialize)]
 struct Report {
     /// Version, seed, inputs.
@@ -316,7 +316,7 @@ fn factor_sds(fit: &Fit, list: &[String]) -> anyhow::Result<Vec<f64>> {
 fn measured(fit: &Fit, list: &[String]) -> anyhow::Result<Vec<Option<Measured>>> {
     let mut near = vec![None; fit.factors.len()];
     for part in list {
-        let form = || format!("'{part}' is no measured value; write B=0.32 or B=0.32+-0.05/5");
+        let form = || format!("'{part}' is not a measured value; write B=0.32 or B=0.32+-0.05/5");
         let (symbol, text) = part.split_once('=').with_context(form)?;
         let place = fit.factors.iter().position(|f| f.symbol() == symbol.trim());
         let Some(place) = place else {

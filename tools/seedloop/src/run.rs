@@ -36,8 +36,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "SCENE.toml")]
     scene: PathBuf,
 
-    /// Settings that a column stands for, B=contact.seed-seed.static_friction or `W=apparatus.speed [rpm]`; several
-    /// after commas. The column `B_natural` counts where there is one. May be given several times
+    /// Settings of a column, B=contact.seed-seed.static_friction or `W=apparatus.speed [rpm]`; several
+    /// after commas. The column `B_natural` is used if there is one. May be given several times
     #[arg(long, value_name = "COLUMN=PATHS")]
     bind: Vec<String>,
 
@@ -73,7 +73,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     plan: bool,
 
-    /// Goes on in a folder that exists: finished runs are reused, the table of results is renewed
+    /// Continues in a folder that exists: finished runs are reused, the table of results is renewed
     #[arg(long)]
     resume: bool,
 
@@ -107,7 +107,7 @@ struct Report {
     runs: Vec<RunReport>,
 }
 
-/// A run as it stands in JSON.
+/// A run in JSON.
 #[derive(Debug, Serialize)]
 struct RunReport {
     /// Line of its row in the design.
@@ -120,13 +120,13 @@ struct RunReport {
     model: String,
     /// Values of its parameters, each in the unit of its column.
     parameters: BTreeMap<String, f64>,
-    /// How it ended up; none of a run without result, or where there are no such classes.
+    /// Its regime; `None` for a run without result, or if there are no such classes.
     regime: Option<String>,
     /// Its results by name.
     observables: BTreeMap<String, Observation>,
-    /// Key of its record; none where there is none.
+    /// Key of its record; `None` if there is none.
     record: Option<String>,
-    /// Why it has no result, or no angle; none where it has.
+    /// Why it has no result, or no angle; `None` if it has.
     problem: Option<String>,
 }
 
@@ -304,7 +304,7 @@ fn tell_failures(
     Ok(counts)
 }
 
-/// A run as it stands in JSON.
+/// A run in JSON.
 fn report(run: &DesignRun, outcome: &Result<Record, String>) -> RunReport {
     let record = outcome.as_ref().ok();
     let observables = record.map(|record| record.observables().clone());

@@ -19,7 +19,7 @@ pub(crate) struct Retries {
 #[derive(clap::Args, Debug, Clone, Copy)]
 pub(crate) struct Wait {
     /// Longest time without a run to do while other processes in the same folder do the rest; the process then ends with
-    /// exit code 1, and the others go on [default: wait for their end]
+    /// exit code 1, and the others continue [default: wait for their end]
     #[arg(long = "wait", value_name = "MINUTES", value_parser = clap::value_parser!(u32).range(2..))]
     minutes: Option<u32>,
 }
@@ -42,7 +42,7 @@ pub(crate) fn finished<T>(
 ) -> anyhow::Result<Result<T, u8>> {
     match stop.result(result) {
         Err(error) if error.has_waited() => {
-            // A closed standard error is no reason to fail.
+            // A closed standard error does not make the run fail.
             let _ = writeln!(std::io::stderr(), "{error}");
             Ok(Err(NOT_MET))
         }

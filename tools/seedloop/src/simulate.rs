@@ -52,7 +52,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// Takes the record of the same run from DIR/runs, where there is one, or goes on from the state in DIR
+    /// Takes the record of the same run from DIR/runs, if there is one, or continues from the state in DIR
     /// where the run was stopped
     #[arg(long, requires = "out")]
     resume: bool,
@@ -125,9 +125,9 @@ fn seconds(text: &str) -> Result<f64, String> {
 struct Outcome {
     /// Its record.
     record: Record,
-    /// The run itself; none where the record was there before.
+    /// The run itself; `None` if the record was there before.
     result: Option<RunResult>,
-    /// Why the record could not be kept; none where it is, or was not to be.
+    /// Why the record could not be kept; `None` if it is, or was not to be.
     not_kept: Option<anyhow::Error>,
 }
 
@@ -186,7 +186,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     log_warnings(&report.warnings, common);
     report.warnings.splice(0..0, warnings);
     if let Some(reason) = report.refusal() {
-        // The reason of a refusal is told even when the log is quiet.
+        // The reason of a refusal is reported even when the log is quiet.
         writeln!(std::io::stderr(), "refused: {reason}")?;
     }
     // The run is done: what cannot be written takes nothing else with it.
@@ -213,18 +213,18 @@ pub(crate) fn all_written<const N: usize>(written: [anyhow::Result<()>; N]) -> a
     Err(wrong.fold(first, |all, error| anyhow!("{all:#}; {error:#}")))
 }
 
-/// What is kept of a run that is stopped, whose states these files hold, and how to go on.
+/// What is kept of a run that is stopped, whose states these files hold, and how to continue.
 fn kept(states: Option<&[PathBuf; 2]>) -> String {
     let Some(states) = states else {
-        return "nothing is kept; with --out DIR a run can go on later".to_owned();
+        return "nothing is kept; with --out DIR a run can continue later".to_owned();
     };
     match states.iter().find(|file| file.exists()) {
         Some(file) => format!(
-            "the state of the run is kept in {}; the same command with --resume goes on",
+            "the state of the run is kept in {}; the same command with --resume continues",
             file.parent().unwrap_or(file).display()
         ),
         // While a run is set up, and while the frames of one that has come to its end are read, there is no state.
-        None => "no state of the run is kept; the same command begins it anew".to_owned(),
+        None => "no state of the run is kept; the same command begins it again".to_owned(),
     }
 }
 
@@ -279,7 +279,7 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun, stop: &Stop) -> anyhow
             Lookup::Found(record) if arguments.resume => {
                 ensure!(
                     arguments.arrays.is_none(),
-                    "{} has the record of this run, which holds its last frame alone: say --force in place of --resume \
+                    "{} has the record of this run, which contains only its last frame: give --force instead of --resume \
                      to run again for --arrays",
                     place(store)
                 );
@@ -336,14 +336,14 @@ fn run_and_keep(
     );
     let left = left_before(arguments, &mut state)?;
     if let Some(left) = &left {
-        common.log(|| format!("goes on from {:.2} s of the run", left.time()));
+        common.log(|| format!("continues from {:.2} s of the run", left.time()));
     }
     let continued = left.is_some();
     let limits = (common.threads(), arguments.retries.number);
     let run = single.run(blank, limits, left, &mut state);
     let way_out = || {
         let from = state.name();
-        format!("the run went on from {from}; remove it to start anew")
+        format!("the run continued from {from}; remove it to start again")
     };
     let (record, result) = if continued {
         run.with_context(way_out)
@@ -363,7 +363,7 @@ fn run_and_keep(
     })
 }
 
-/// The state from which a run goes on; none where it begins anew.
+/// The state from which a run continues; `None` if it begins again.
 ///
 /// # Errors
 /// A state that the user did not speak of, or that cannot be read.
@@ -381,8 +381,8 @@ fn left_before(
     }
     ensure!(
         common.force || !state.exists(),
-        "{} has the state of this run, which was stopped: say --resume to go on from it, or --force \
-         to run anew",
+        "{} has the state of this run, which was stopped: give --resume to continue from it, or --force \
+         to run again",
         state.name()
     );
     Ok(None)
@@ -434,9 +434,9 @@ mod tests {
     fn what_is_told_to_be_kept_is_there() {
         let folder = tempfile::tempdir().unwrap();
         let files = state_files(folder.path(), "key");
-        assert!(kept(Some(&files)).contains("begins it anew"));
+        assert!(kept(Some(&files)).contains("begins it again"));
         std::fs::write(&files[1], "state").unwrap();
-        assert!(kept(Some(&files)).contains("--resume goes on"));
+        assert!(kept(Some(&files)).contains("--resume continues"));
         assert!(kept(None).contains("with --out DIR"));
     }
 

@@ -18,7 +18,7 @@ const ENDED_BY_SIGNAL: u8 = 128;
 /// longer; two seconds in all are our choice.
 const PATIENCE: Duration = Duration::from_millis(1700);
 
-/// What a command does when it is told to end.
+/// What a command does when it is asked to end.
 #[derive(Debug)]
 pub(crate) struct Stop {
     /// Raised by the first signal: no further run begins, and running ones break off.
@@ -34,7 +34,7 @@ struct State {
     signal: AtomicU8,
     /// Set once the user knows what is kept.
     told: AtomicBool,
-    /// Tells what is kept, and how to go on: the end of a sentence.
+    /// States what is kept and how to continue, as the end of a sentence.
     kept: Told,
 }
 
@@ -48,7 +48,7 @@ impl std::fmt::Debug for Told {
 }
 
 impl Stop {
-    /// Listens to Ctrl-C, SIGTERM and, unless `nohup` asked to ignore it, SIGHUP. `kept` tells, when the command ends, the end of a sentence: what is kept, and how to go on.
+    /// Listens to Ctrl-C, SIGTERM and, unless `nohup` asked to ignore it, SIGHUP. `kept` states, when the command ends, what is kept and how to continue, as the end of a sentence.
     ///
     /// # Errors
     /// A system that does not let the process listen.
@@ -90,7 +90,7 @@ impl Stop {
     pub(crate) fn of_runs(folder: &Path) -> anyhow::Result<Self> {
         let runs = folder.join("runs");
         let told = format!(
-            "finished runs are kept in {}; the same command with --resume goes on",
+            "finished runs are kept in {}; the same command with --resume continues",
             runs.display()
         );
         Self::new(move || told.clone())
@@ -104,7 +104,7 @@ impl Stop {
     /// The result of what was done, or the exit code where a signal ended it, after saying what is kept.
     ///
     /// # Errors
-    /// The error of what was done, where no signal came.
+    /// The error of what was done, if no signal came.
     pub(crate) fn result<T, E>(&self, result: Result<T, E>) -> Result<Result<T, u8>, E> {
         match result {
             Ok(result) => Ok(Ok(result)),
@@ -124,7 +124,7 @@ impl State {
                 SIGHUP => "SIGHUP (the terminal was closed)",
                 _ => "Ctrl-C",
             };
-            // A closed standard error is no reason to go on.
+            // A closed standard error does not keep the process alive.
             let _ = writeln!(std::io::stderr(), "stopped by {name}: {}", (self.kept.0)());
         }
         ENDED_BY_SIGNAL.saturating_add(signal)

@@ -31,7 +31,7 @@ struct Judged {
     verdict: &'static str,
 }
 
-/// The table as it stands in JSON.
+/// The table in JSON.
 #[derive(Debug, Serialize)]
 struct Report {
     /// Version, seed, inputs.

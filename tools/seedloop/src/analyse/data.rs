@@ -187,7 +187,7 @@ fn add_category(name: &str, given: &[String], cells: &mut [Cell]) -> anyhow::Res
     Ok(category)
 }
 
-/// Texts of a column, none of them empty; nothing where no column is named.
+/// Texts of a column, none of them empty; nothing if no column is named.
 fn labels(table: &Table, name: Option<&str>, what: &str) -> anyhow::Result<Vec<String>> {
     let Some(name) = name else {
         return Ok(Vec::new());
@@ -258,7 +258,7 @@ fn lone_values(table: &Table, factors: &[usize], response: usize) -> anyhow::Res
             );
             if column != response && spread > 0.0 && beyond > LONE * spread {
                 warnings.push(format!(
-                    "{place}: {value} lies {} widths outside the range of all other rows, {from} to {to}; the fit hangs on \
+                    "{place}: {value} lies {} widths outside the range of all other rows, {from} to {to}; the fit depends on \
                      this row, so check it",
                     significant(beyond / spread, 2)
                 ));
@@ -322,7 +322,7 @@ impl Cells<'_> {
             .map(|(row, _)| self.table.place(row, column))
             .collect();
         Ok(Some(format!(
-            "{}: no standard deviation of these replicates: the error of replicates has {} degrees of freedom in place of {all}",
+            "{}: no standard deviation of these replicates: the error of replicates has {} degrees of freedom instead of {all}",
             listed(&places),
             all - lost
         )))
@@ -360,7 +360,7 @@ impl Cells<'_> {
         let mean = self.table.number(row, self.response)?;
         ensure!(
             mean.abs() <= Observations::LARGEST,
-            "{}: {mean:e} is beyond 1e140, and its square is no number here; give the response in a larger unit",
+            "{}: {mean:e} is beyond 1e140, and its square overflows; give the response in a larger unit",
             self.table.place(row, self.response)
         );
         let mean = match self.transform {
@@ -456,7 +456,7 @@ fn given_factors(argument: &str) -> anyhow::Result<Vec<(String, Option<Factor>)>
             Some((column, range)) => (column.trim(), Some(range)),
             None => (part, None),
         };
-        // A unit behind the name of a column is no part of the symbol, and the symbol finds the column.
+        // A unit behind the name of a column is not part of the symbol, and the symbol finds the column.
         let (symbol, unit) = split_unit(column).unwrap_or((column, "1"));
         ensure!(
             Factor::coded_only(symbol).is_ok() || symbol.is_empty(),
@@ -475,7 +475,7 @@ fn given_factors(argument: &str) -> anyhow::Result<Vec<(String, Option<Factor>)>
             ))
         });
         let Some((low, high)) = bounds else {
-            bail!("'{part}' is no factor with its range; write it as B=0.30:0.42");
+            bail!("'{part}' is not a factor with its range; write it as B=0.30:0.42");
         };
         given.push((
             symbol.to_owned(),

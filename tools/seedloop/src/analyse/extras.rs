@@ -110,7 +110,7 @@ pub(super) fn shares(
     }
     ensure!(
         fit.formula.has_intercept(),
-        "--sensitivity needs a model with its intercept: one through zero is no surface over the ranges"
+        "--sensitivity needs a model with its intercept: one through zero is not a surface over the ranges"
     );
     Ok(fit.sobol(&data.categories)?)
 }

@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::Arguments;
 use super::text::{counted, probability};
 
-/// The comparison as it stands in JSON.
+/// The comparison in JSON.
 #[derive(Debug, Serialize)]
 struct Report {
     /// Version, seed, inputs.

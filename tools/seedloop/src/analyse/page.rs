@@ -55,7 +55,7 @@ fn verdict(page: &mut report::Report, report: &Report<'_>) {
         ),
         (_, Some(_)) => (
             Tone::Good,
-            "The terms explain the response, and nothing speaks for a lack of fit.",
+            "The terms explain the response, and nothing indicates a lack of fit.",
         ),
         (_, None) => (
             Tone::Good,
@@ -84,7 +84,7 @@ fn verdict(page: &mut report::Report, report: &Report<'_>) {
     }
 }
 
-/// Sliders over the polynomial; nothing where factors have named levels, whose columns are no settings.
+/// Sliders over the polynomial; nothing where factors have named levels, whose columns are not settings.
 fn explorer(page: &mut report::Report, report: &Report<'_>) -> Result<(), report::Error> {
     let fit = report.fit;
     let begin: Vec<f64> = fit

@@ -138,7 +138,7 @@ impl<'a> Settings<'a> {
             let level = row.text(*column);
             let values = category.coded(level).with_context(|| {
                 format!(
-                    "{}: '{level}' is no level of '{}' in the data; they are {}",
+                    "{}: '{level}' is not a level of '{}' in the data; they are {}",
                     self.table.place(row, *column),
                     category.symbol(),
                     category.levels().join(", ")

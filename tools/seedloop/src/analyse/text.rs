@@ -108,7 +108,7 @@ fn natural(text: &mut String, fit: &Fit) {
 /// Share of its standard error below which a coefficient is shown as 0: chance brings one so near to 0 once in a million.
 const OF_ERROR: f64 = 1e-6;
 
-/// Share of the largest term below which a coefficient is shown as 0: what is left of terms of order 1 that cancel, whose
+/// Share of the largest term below which a coefficient is shown as 0: the remainder of terms of order 1 that cancel, whose
 /// rounding is some 1e-16 each and grows with the condition of the columns.
 const OF_LARGEST: f64 = 1e-12;
 

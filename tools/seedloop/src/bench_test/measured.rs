@@ -86,7 +86,7 @@ impl Test {
 ///
 /// # Errors
 ///
-/// A missing column, a cell that is no number in its range.
+/// A missing column, a cell that is not a number in its range.
 pub(crate) fn coefficients(test: Test, table: &Table) -> Result<Vec<f64>, Error> {
     let (columns, known) = test.columns();
     let mut places = Vec::new();

@@ -15,7 +15,7 @@ pub(super) type Combination = Vec<String>;
 pub(super) fn named(arguments: &Arguments, factors: &[Factor]) -> anyhow::Result<Vec<Categorical>> {
     let mut all: Vec<Categorical> = Vec::new();
     for text in &arguments.categories {
-        let form = || format!("'{text}' is no factor with levels; write it as wall=steel:glass");
+        let form = || format!("'{text}' is not a factor with levels; write it as wall=steel:glass");
         let (symbol, levels) = text.split_once('=').with_context(form)?;
         let levels: Vec<String> = levels.split(':').map(|l| l.trim().to_owned()).collect();
         ensure!(
@@ -103,7 +103,7 @@ pub(super) fn of_table(table: &Table, named: &[Categorical]) -> anyhow::Result<V
             let level = row.text(column);
             ensure!(
                 factor.coded(level).is_some(),
-                "{}: '{level}' is no level of '{}'; they are {}",
+                "{}: '{level}' is not a level of '{}'; they are {}",
                 table.place(row, column),
                 factor.symbol(),
                 factor.levels().join(", ")

@@ -12,7 +12,7 @@ pub(super) fn coordinates(
 ) -> anyhow::Result<Vec<Coordinate>> {
     let mut all = vec![Coordinate::Range; factors.len()];
     for text in &arguments.levels {
-        let form = || format!("'{text}' is no list of levels; write it as B=0.30:0.36:0.42");
+        let form = || format!("'{text}' is not a list of levels; write it as B=0.30:0.36:0.42");
         let (symbol, levels) = text.split_once('=').with_context(form)?;
         let place = place(factors, symbol.trim())?;
         let factor = &factors[place];
@@ -49,7 +49,7 @@ pub(super) fn coordinates(
 /// # Formula
 /// u = middle + half-range x for each factor, so that `sum(a u) <= b` is `sum(a half x) <= b - sum(a middle)`.
 pub(super) fn constraint(text: &str, factors: &[Factor]) -> anyhow::Result<Constraint> {
-    let form = || format!("'{text}' is no linear constraint; write it as \"2*B + E <= 0.5\"");
+    let form = || format!("'{text}' is not a linear constraint; write it as \"2*B + E <= 0.5\"");
     let (left, right, sign) = match (text.split_once("<="), text.split_once(">=")) {
         (Some((left, right)), None) => (left, right, 1.0),
         (None, Some((left, right))) => (left, right, -1.0),

@@ -242,14 +242,14 @@ fn blocked(arguments: &Arguments, design: Design, mut facts: Value) -> anyhow::R
     })
 }
 
-/// Tells what a fraction costs.
+/// Reports which effects a fraction confounds.
 fn told(arguments: &Arguments, fraction: &Fraction) -> Value {
     let words = fraction.defining_words.join(", ");
     let resolution = fraction.resolution;
     let common = &arguments.common;
     common.log(|| format!("resolution {resolution}; constant products: {words}"));
     for set in &fraction.aliases {
-        common.log(|| format!("cannot be told apart: {}", set.join(" = ")));
+        common.log(|| format!("cannot be distinguished: {}", set.join(" = ")));
     }
     json!({
         "resolution": resolution,
@@ -270,7 +270,7 @@ pub(super) fn analysis(
     let place = file.display();
     let text = input::file::read_text(file).with_context(|| format!("cannot read {place}"))?;
     let fit: Fit = serde_json::from_str(&text).with_context(|| {
-        format!("{place} is no analysis; write one with seedloop analyse --json")
+        format!("{place} is not an analysis; write one with seedloop analyse --json")
     })?;
     let is_coded = |f: &Factor| (f.low(), f.high()) == (-1.0, 1.0);
     for (old, new) in fit.factors.iter().zip(factors) {

@@ -135,7 +135,7 @@ fn given(
         .collect())
 }
 
-/// A second stage near the contour of an analysis at the target; `add` adds the runs where it is told that they may be.
+/// A second stage near the contour of an analysis at the target; `add` adds the runs at places that are allowed.
 fn near_target(
     arguments: &Arguments,
     factors: &[Factor],

@@ -7,7 +7,7 @@ use study::{DiagnosisResult, Study};
 /// Most lines of the list.
 const MOST_LINES: usize = 5;
 
-/// The best candidates with what each costs and tells, and what to do with the first; empty where there are none.
+/// The best candidates with the cost and the gain of each, and what to do with the first; empty if there are none.
 pub(super) fn text(study: &Study, result: &DiagnosisResult, folder: &Path) -> String {
     let mut out = String::new();
     let next = match &result.diagnosis {

@@ -11,8 +11,8 @@ const SIZES: [f64; 3] = [3.0, 6.0, 12.0];
 /// Drawn campaigns of a size, over all effects together.
 const CAMPAIGNS: usize = 100;
 
-/// The power as a table: by the sensitivities of an earlier diagnosis in the result folder where there are any, else by
-/// random shapes, with what would raise it. Empty where no effect is to be searched.
+/// The power as a table: by the sensitivities of an earlier diagnosis in the result folder if there are any, else by
+/// random shapes, with what would raise it. Empty if no effect is to be searched.
 ///
 /// # Errors
 ///

@@ -45,7 +45,7 @@ pub(super) fn write(
         .with_context(|| format!("cannot write the report into {}", folder.display()))
 }
 
-/// Drawn campaigns with known truth for this very design; none where nothing can be tested.
+/// Drawn campaigns with known truth for this very design; `None` if nothing can be tested.
 fn known_truth(done: &ResidualStudy, seed: u64, common: &Common) -> anyhow::Result<Vec<TrialRow>> {
     if done.diagnosis.structured_residual.t0.is_none() {
         return Ok(Vec::new());

@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::Arguments;
 use super::read::{Read, read};
 
-/// The answer as it stands in JSON.
+/// The answer in JSON.
 #[derive(Debug, Serialize)]
 struct Report {
     /// Version, seed, inputs.
@@ -29,7 +29,7 @@ struct Report {
     exists: bool,
     /// The settings, best first.
     compromises: Vec<Compromise>,
-    /// Bounds that each setting lies on although the runs go on beyond them.
+    /// Bounds that each setting lies on although the runs extend beyond them.
     open_bounds: Vec<Vec<OpenBound>>,
     /// What the point asked for is worth; null without `--at`.
     at: Option<Compromise>,
@@ -56,7 +56,7 @@ pub(super) fn run(arguments: &Arguments, first: Read) -> anyhow::Result<u8> {
     for part in &arguments.also {
         let (file, text) = part
             .split_once('=')
-            .with_context(|| format!("'{part}' is no further response; write OTHER.json=max"))?;
+            .with_context(|| format!("'{part}' is not a further response; write OTHER.json=max"))?;
         if file == "transmitted" {
             scatter.push(scatter_goal(arguments, text, &fits[0])?);
             continue;
@@ -184,7 +184,7 @@ fn scatter_goal(arguments: &Arguments, text: &str, first: &Fit) -> anyhow::Resul
 fn goal(text: &str, fit: &Fit) -> anyhow::Result<Goal> {
     let form = || {
         format!(
-            "'{text}' is no goal; write max, max:LOW:HIGH, min, min:LOW:HIGH, range:LOW:HIGH or \
+            "'{text}' is not a goal; write max, max:LOW:HIGH, min, min:LOW:HIGH, range:LOW:HIGH or \
              target:LOW:VALUE:HIGH, with ^WEIGHT and *IMPORTANCE behind it where wanted"
         )
     };

@@ -42,14 +42,14 @@ pub(super) fn read(path: &Path, arguments: &Arguments) -> anyhow::Result<Read> {
     let place = path.display();
     let text = input::file::read_text(path).with_context(|| format!("cannot read {place}"))?;
     let fit: Fit = serde_json::from_str(&text).with_context(|| {
-        format!("{place} is no analysis; write one with seedloop analyse --json")
+        format!("{place} is not an analysis; write one with seedloop analyse --json")
     })?;
     let named: Named = serde_json::from_str(&text).with_context(|| place.to_string())?;
     let transform = named.transform;
     let fit = at_levels(fit, named.categories, &arguments.level)?;
     let mut factors = fit.factors.clone();
     for part in bounds {
-        let form = || format!("'{part}' is no bound; write B=0.30:0.36");
+        let form = || format!("'{part}' is not a bound; write B=0.30:0.36");
         let (symbol, range) = part.split_once('=').with_context(form)?;
         let (low, high) = range.split_once(':').with_context(form)?;
         let number = |text: &str| text.trim().parse::<f64>().ok().with_context(form);
@@ -113,7 +113,7 @@ fn at_levels(fit: Fit, categories: Vec<Categorical>, chosen: &[String]) -> anyho
     for part in chosen {
         let (symbol, level) = part
             .split_once('=')
-            .with_context(|| format!("'{part}' is no level; write wall=steel"))?;
+            .with_context(|| format!("'{part}' is not a level; write wall=steel"))?;
         ensure!(
             categories.iter().any(|c| c.symbol() == symbol),
             "the analysis has no factor '{symbol}' with named levels"

@@ -12,10 +12,10 @@ use response_surface::{
 
 use super::{CONFIDENCE, Report};
 
-/// What is said of a prediction outside what the data span.
+/// Warning about a prediction outside the range of the data.
 pub(super) const BEYOND_DATA: &str = "  beyond what the runs span: the model was not made there";
 
-/// Prints the bounds that a setting lies on although the runs go on beyond them.
+/// Prints the bounds that a setting lies on although the runs extend beyond them.
 pub(super) fn go_on(common: &Common, fit: &Fit, open: &[OpenBound]) -> anyhow::Result<()> {
     for OpenBound {
         symbol,
@@ -27,7 +27,7 @@ pub(super) fn go_on(common: &Common, fit: &Fit, open: &[OpenBound]) -> anyhow::R
         let ends = factor.map_or([*bound; 2], |f| [f.low().min(*data), f.high().max(*data)]);
         let [low, high] = ends;
         common.print(format!(
-            "  {symbol} is on its bound {}, and the runs go on to {}: to include them, give --bounds {symbol}={low}:{high}",
+            "  {symbol} is on its bound {}, and the runs extend to {}: to include them, give --bounds {symbol}={low}:{high}",
             value(*bound),
             value(*data)
         ))?;
@@ -179,7 +179,7 @@ fn reach(common: &Common, fit: &Fit, solutions: &Solutions) -> anyhow::Result<()
     Ok(())
 }
 
-/// The parts of the set, where there are several.
+/// The parts of the set, if there are several.
 fn branches(common: &Common, fit: &Fit, solutions: &Solutions) -> anyhow::Result<()> {
     let parts = solutions.branches.as_deref().unwrap_or_default();
     if parts.len() < 2 {

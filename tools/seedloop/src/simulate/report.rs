@@ -18,22 +18,22 @@ const USUAL_DIFFERENCE_DEG: f64 = 3.0;
 /// Likewise of the fill level: a picture shows the highest bed along the axis.
 const USUAL_FILL_DIFFERENCE: f64 = 0.1;
 
-/// A finished run as it stands in JSON.
+/// A finished run in JSON.
 #[derive(Debug, Serialize)]
 pub(super) struct Report {
     /// Version, seed, inputs.
     #[serde(flatten)]
     header: Header,
-    /// `ok`, or `refused` where no frame of a drum shows a surface: then there is no angle, and what the places of the seeds tell
+    /// `ok`, or `refused` if no frame of a drum shows a surface: then there is no angle, and what the places of the seeds show
     /// stands.
     verdict: &'static str,
     /// Why it is refused.
     reason: Option<String>,
     /// Results by name.
     observables: BTreeMap<String, Observation>,
-    /// How the run ended up: `rolling`, `sliding` or `resting`; none where the apparatus has no bed.
+    /// How the run ended up: `rolling`, `sliding` or `resting`; `None` if the apparatus has no bed.
     regime: Option<String>,
-    /// Whether the start-up was found to be over; none where the apparatus has no such state.
+    /// Whether the start-up was found to be over; `None` if the apparatus has no such state.
     steady: Option<bool>,
     /// Why it is not steady, as the rest of a sentence that begins with "the bed".
     doubt: Option<&'static str>,
@@ -44,7 +44,7 @@ pub(super) struct Report {
     start_up_s: Option<f64>,
     /// Time of one swing of the bed, s.
     swing_s: Option<f64>,
-    /// Form of the motion of the bed; none where nothing turns.
+    /// Form of the motion of the bed; `None` if nothing turns.
     motion: Option<String>,
     /// R w^2 / g.
     froude_number: Option<f64>,
@@ -109,7 +109,7 @@ impl Report {
         Ok(report)
     }
 
-    /// Why there is no angle; none where there is one, or the apparatus has none.
+    /// Why there is no angle; `None` if there is one, or the apparatus has none.
     pub(super) fn refusal(&self) -> Option<&str> {
         self.reason.as_deref()
     }

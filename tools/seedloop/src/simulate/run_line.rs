@@ -1,4 +1,4 @@
-//! One line on a terminal that tells how far a run is.
+//! One line on a terminal that shows the progress of a run.
 
 use command_line::Common;
 use scene::RunStage;
@@ -8,10 +8,10 @@ use std::time::{Duration, Instant};
 /// Least time between two lines.
 const PAUSE: Duration = Duration::from_millis(200);
 
-/// Draws the line anew as the run goes on; draws nothing where standard error is no terminal, or the log is quiet. It is gone
+/// Redraws the line as the run continues; draws nothing if standard error is not a terminal, or the log is quiet. It is gone
 /// when the run is over.
 pub(super) struct RunLine {
-    /// Where to; none where nothing is drawn.
+    /// The terminal; `None` if nothing is drawn.
     to: Option<Box<dyn Write>>,
     /// When it was drawn last.
     last: Option<Instant>,
@@ -28,7 +28,7 @@ impl RunLine {
         }
     }
 
-    /// Tells how far the run is, if it is time. A failure to write is ignored, the run matters more.
+    /// Shows the progress of the run, if an update is due. A failure to write is ignored, the run matters more.
     pub(super) fn draw(&mut self, stage: &RunStage) {
         let Some(to) = &mut self.to else {
             return;

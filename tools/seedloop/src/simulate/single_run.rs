@@ -50,7 +50,7 @@ impl SingleRun {
         Ok(Record::new(&version, inputs, self.request.seed)?)
     }
 
-    /// Runs the scene on at most so many threads, on from where it was left, and anew with half the step where it diverges,
+    /// Runs the scene on at most so many threads, on from where it was left, and again with half the step if it diverges,
     /// at most so often; the time of filling the meshes is kept apart from that of the steps. Gives the record and the run.
     ///
     /// # Errors
@@ -91,11 +91,11 @@ impl SingleRun {
     }
 }
 
-/// Time that all threads of this process have worked, those that have ended included, s; none where the system does
+/// Time that all threads of this process have worked, those that have ended included, s; `None` if the system does
 /// not tell.
 ///
 /// Linux gives the times outside and inside the kernel in hundredths of a second, behind eleven words after
-/// the name of the program, which stands in brackets.
+/// the name of the program, which is in brackets.
 fn cpu_seconds() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/self/stat").ok()?;
     let (_, words) = text.rsplit_once(')')?;

@@ -1,4 +1,4 @@
-//! The states of a run on its way, as two files beside its record that are written in turn, and the line that tells how far it is.
+//! The states of a run on its way, as two files beside its record that are written in turn, and the line that shows how far it is.
 //!
 //! Each has a digest. A newest one that is damaged costs the time since the one before, and no result.
 
@@ -21,7 +21,7 @@ pub(super) struct StateFile<'a> {
     common: &'a Common,
     /// Key of the run.
     key: String,
-    /// The files; none where the run keeps no record either.
+    /// The files; `None` if the run keeps no record either.
     paths: Option<[PathBuf; 2]>,
     /// The one that is written next.
     next: usize,
@@ -31,7 +31,7 @@ pub(super) struct StateFile<'a> {
     last: Instant,
     /// Raised when the run is to end.
     stop: Arc<AtomicBool>,
-    /// Where it is told how far the run is.
+    /// Where the progress of the run is reported.
     line: RunLine,
 }
 
@@ -99,8 +99,9 @@ impl<'a> StateFile<'a> {
         let mut left = Left::default();
         let mut newest = None;
         for (number, path) in self.present() {
-            let bytes = input::file::read(path)
-                .with_context(|| format!("{} (remove it to start the run anew)", path.display()))?;
+            let bytes = input::file::read(path).with_context(|| {
+                format!("{} (remove it to start the run again)", path.display())
+            })?;
             let read = unseal_text(&self.key, &bytes).and_then(|json| {
                 serde_json::from_slice::<Progress>(json).map_err(|why| why.to_string())
             });
@@ -152,7 +153,7 @@ impl Keeper for StateFile<'_> {
     fn begin_anew(&mut self, why: &str) -> Result<(), String> {
         self.line.clear();
         self.common
-            .log(|| format!("warning: {why}; the run begins anew with half the time step"));
+            .log(|| format!("warning: {why}; the run begins again with half the time step"));
         self.remove().map_err(|e| format!("{e:#}"))
     }
 

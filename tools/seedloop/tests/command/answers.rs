@@ -26,7 +26,7 @@ fn analyse_table_5(folder: &Path) {
 }
 
 /// A tolerance interval of single runs is wider than the prediction interval of a mean of five; the
-/// bounds that redrawn experiments end on are told as a share; the printed optimum is not 38.87.
+/// bounds that redrawn experiments end on are reported as a share; the printed optimum is not 38.87.
 #[test]
 fn the_answer_to_a_target_has_intervals_scatter_and_redrawn_experiments() {
     let folder = tempdir().unwrap();
@@ -67,7 +67,7 @@ fn the_answer_to_a_target_has_intervals_scatter_and_redrawn_experiments() {
     assert_eq!(got.pointer("/region/open/F/1").unwrap(), true);
 }
 
-/// A parabola meets a target on two sides; both are told.
+/// A parabola meets a target on two sides; both are reported.
 #[test]
 fn two_branches_are_an_answer() {
     let folder = tempdir().unwrap();
@@ -183,7 +183,7 @@ fn the_columns_of_a_design_are_coded_though_they_miss_the_ends() {
     let at = |name: &str| header.iter().position(|h| *h == name).unwrap();
     let (coded, natural) = (at("B"), at("B_natural"));
     let mut filled = vec![format!("{},y", header.join(","))];
-    // Without the natural columns, nothing tells that these are coded: they lie far outside 0.3 to 0.4.
+    // Without the natural columns, nothing shows that these are coded: they lie far outside 0.3 to 0.4.
     let mut alone = vec!["B,y".to_owned()];
     for line in lines {
         let fields: Vec<&str> = line.split(',').collect();

@@ -78,7 +78,7 @@ fn a_run_gives_the_observables_that_its_scene_names() {
         assert_eq!(given, named, "{apparatus}");
         assert_eq!(json["regime"].is_null(), scene.apparatus.is_bench_test());
         let told = String::from_utf8_lossy(&output.stderr);
-        let is_told = told.contains("running 2 repeats of the bench test");
+        let is_told = told.contains("2 repeats");
         assert_eq!(is_told, scene.apparatus.is_bench_test(), "{told}");
     }
 }
@@ -171,7 +171,7 @@ fn a_wall_that_touches_nothing_or_is_too_fast_is_refused() {
 }
 
 /// Beads that slide on a smooth shell: Coulomb friction damps no swing, so that a bed that was started at once swings on until
-/// the end and is carried again and again. That is told with the way out, which helps.
+/// the end and is carried again and again. A warning says so and gives the remedy, which helps.
 #[test]
 fn a_bed_that_swings_on_from_its_start_is_told_to_start_evenly() {
     let folder = tempfile::tempdir().unwrap();
@@ -201,10 +201,7 @@ fn a_bed_that_swings_on_from_its_start_is_told_to_start_evenly() {
     };
     let (motion, told) = run(&[]);
     assert_eq!(motion, "surging");
-    assert!(
-        told.contains("apparatus.ramp gives it an even one"),
-        "{told}"
-    );
+    assert!(told.contains("apparatus.ramp"), "{told}");
     let (motion, told) = run(&["--set", "ramp=2 s", "--set", "rotation_limit=12 s"]);
     assert_eq!(motion, "sliding");
     assert!(!told.contains("ramp"), "{told}");
@@ -228,7 +225,7 @@ fn bench_measurements_become_a_coefficient_with_its_interval() {
     );
 }
 
-/// A plate that the scene does not define is told with all materials that it does, and a bench test has no frame to show;
+/// A plate that the scene does not define is reported with all materials that it does, and a bench test has no frame to show;
 /// both before anything runs.
 #[test]
 fn what_a_bench_test_cannot_have_is_refused_before_it_runs() {
@@ -236,7 +233,7 @@ fn what_a_bench_test_cannot_have_is_refused_before_it_runs() {
     let scene = TinyScene::changed(DRUM, sled);
     for words in [["--frame", "a.png"], ["--arrays", "a.npz"]] {
         let output = scene.simulate(&words);
-        assert_error(&output, &[words[0], words[1], "a bench test has no frames"]);
+        assert_error(&output, &[words[0], words[1], "bench test"]);
         assert!(!String::from_utf8_lossy(&output.stderr).contains("running"));
     }
     let words = ["bench-test", "tilt", "--scene", "tiny.toml"];

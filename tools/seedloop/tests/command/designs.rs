@@ -150,7 +150,7 @@ fn thirty_designs_are_those_of_r_with_the_same_figures() {
     }
 }
 
-/// Optimal designs against R's exchange of whole runs over a grid from a hundred starts: at least as good as its best, to
+/// Optimal designs against R's exchange of whole runs over a grid from a hundred starts: no worse than its best, to
 /// 0.5 %. Both are searches; the grid holds the corners and middles that ours uses, so that a better one here is chance
 /// or finer than the grid.
 #[test]

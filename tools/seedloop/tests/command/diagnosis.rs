@@ -84,7 +84,7 @@ fn the_example_says_what_would_be_run_and_runs_nothing() {
 }
 
 /// Ctrl-C while runs are left: the running one is broken off, finished records are kept, and the command says where they
-/// are. The same command goes on with them to the end; once more it reuses all of them and gives the same study, bit for
+/// are. The same command continues with them to the end; once more it reuses all of them and gives the same study, bit for
 /// bit.
 #[cfg(unix)]
 #[test]

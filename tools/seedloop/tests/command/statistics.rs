@@ -314,7 +314,7 @@ fn analyse_draws_its_charts_and_compares_orders() {
     }
 }
 
-/// Bad tables: the message names the place and what is wrong with it.
+/// Bad tables: the message names the place and its fault.
 #[test]
 fn tables_that_cannot_be_meant_are_refused_with_the_place() {
     let folder = tempdir().unwrap();

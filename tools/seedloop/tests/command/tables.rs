@@ -102,7 +102,7 @@ fn a_workbook_gives_the_analysis_of_its_csv_to_the_last_digit() {
     assert_eq!(analyses[1].2, ["data.xlsx", "factors.xlsx"]);
 }
 
-/// A word among the numbers of a workbook is told with file, sheet, cell and the way out; a broken workbook with the file.
+/// A word among the numbers of a workbook is reported with file, sheet, cell and the remedy; a broken workbook with the file.
 #[test]
 fn a_wrong_cell_of_a_workbook_is_told_with_its_place() {
     let folder = folder();
@@ -164,7 +164,7 @@ fn measurements_of_the_bench_may_be_a_workbook_or_have_decimal_commas() {
     assert_error(&words_in(here, "bench-test tilt wrong.xlsx"), &says);
 }
 
-/// A formula of R with its response, and a column name that no formula can hold, are told with what to write instead.
+/// A formula of R with its response, and a column name that no formula can hold, are reported with what to write instead.
 #[test]
 fn formulas_and_names_of_other_programs_are_told_with_the_way_out() {
     let folder = folder();
@@ -192,7 +192,7 @@ fn formulas_and_names_of_other_programs_are_told_with_the_way_out() {
 }
 
 /// Data in another unit, 1e-7 or 1e9 of the first, print the same digits: fixed decimals would print 0.0000 or lose them in
-/// the width. The scales are no powers of two, so that the last of six digits may turn by rounding.
+/// the width. The scales are not powers of two, so that the last of six digits may turn by rounding.
 #[test]
 fn coefficients_keep_their_digits_in_every_unit() {
     let folder = tempdir().unwrap();

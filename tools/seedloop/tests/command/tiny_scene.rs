@@ -5,7 +5,7 @@ use std::fs;
 use std::path::PathBuf;
 use tempfile::TempDir;
 
-/// The scene; FIXTURES stands for the folder of the meshes.
+/// The scene; FIXTURES represents the folder of the meshes.
 const TINY: &str = include_str!("tiny.toml");
 
 /// A folder of its own with the scene in it.

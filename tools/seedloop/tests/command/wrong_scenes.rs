@@ -1,4 +1,4 @@
-//! Invalid scenes: each message names the place and the way out.
+//! Invalid scenes: each message names the place and the remedy.
 
 use crate::assert_error;
 use crate::tiny_scene::TinyScene;

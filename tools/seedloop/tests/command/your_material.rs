@@ -1,4 +1,4 @@
-//! The guide's chapter "Your material": each of its commands, in its order and as it stands there, on a small drum.
+//! The guide's chapter "Your material": each of its commands, in its order and unchanged, on a small drum.
 
 use crate::{fixture, text};
 use std::fs;
@@ -9,7 +9,7 @@ use tempfile::tempdir;
 /// The guide.
 const GUIDE: &str = include_str!("../../../../docs/guide.md");
 
-/// What stands in the place of the drum of the example: small enough for a test, and the loop about it no larger than
+/// Replaces the drum of the example: small enough for a test, and the loop about it no larger than
 /// it must be.
 const SMALLER: [(&str, &str); 4] = [
     ("inner_diameter = \"200 mm\"", "inner_diameter = \"60 mm\""),

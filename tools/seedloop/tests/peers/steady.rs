@@ -61,7 +61,7 @@ fn difference(here: &[[f64; 4]], there: &[[f64; 4]], k: usize) -> (f64, f64) {
 /// Each observable is within 3.5 standard errors of the difference of the mean of both codes, whose runs of one seed
 /// resemble each other and count as one: a false alarm in 500 of such tests of four numbers.
 ///
-/// With a friction of 0.2 in place of 0.1 the bed stands 6 deg higher.
+/// With a friction of 0.2 instead of 0.1 the angle of the bed is 6 deg larger.
 #[test]
 fn bed_is_what_lammps_and_liggghts_gave() {
     let (one, other) = (kept("steady.csv", "lammps"), kept("steady.csv", "liggghts"));
