@@ -1,7 +1,8 @@
 //! Runs with grains coarser than the real ones: what the trend with their size says of real ones, and whether that may be used.
 
 use crate::search::{Found, Search};
-use crate::{CalibrationProblem, Error, Role, SizeTrend};
+use crate::surface::Surface;
+use crate::{CalibrationProblem, CoarseGraining, Error, Measurement, Role, SizeTrend};
 use input::quantity::significant;
 
 /// Chance that a straight trend is said to be bent, shared among the measurements.
@@ -29,8 +30,6 @@ pub(crate) fn trends(
     let Some(coarse) = &problem.coarse_graining else {
         return Ok(Vec::new());
     };
-    let [coarsest, finest] = [coarse.factors.first(), coarse.factors.last()]
-        .map(|factor| factor.copied().unwrap_or(1.0));
     let of_fit = problem.measurements.iter().filter(|m| m.role == Role::Fit);
     let rows = of_fit.clone().count() as f64;
     let (mut trends, mut wrong) = (Vec::new(), Vec::new());
@@ -42,57 +41,25 @@ pub(crate) fn trends(
         let Some(k) = surface.place(&measured.observable) else {
             continue;
         };
-        let name = format!(
-            "{} of {}",
-            measured.observable, problem.models[measured.model].name
-        );
-        let Some((slope, share)) = surface.trend(k, &found.best) else {
+        let model = problem.models[measured.model].name.as_str();
+        let name = format!("{} of {model}", measured.observable);
+        let Some(trend) = trend_of(coarse, (measured, model), surface, k, &found.best) else {
             wrong.push(format!(
-                "{name}: too few runs with another size of the grains gave a result, so that nothing tells its trend"
+                "{name}: too few runs with another size of the grains gave a result, so that nothing shows its trend"
             ));
             continue;
         };
-        let se = (share * surface.covariance[(k, k)]).sqrt();
-        let of_measured = measured.variance_at(surface.value(k, &found.best)).sqrt();
-        let most = coarse.error * of_measured / (se * (coarsest - finest));
-        let trend = SizeTrend {
-            model: problem.models[measured.model].name.clone(),
-            observable: measured.observable.clone(),
-            slope,
-            slope_se: se,
-            finest,
-            shift: -slope * (finest - 1.0),
-            shift_se: se * (finest - 1.0),
-            measured_se: of_measured,
-            finest_allowed: if se > 0.0 {
-                (1.0 + coarsest * most) / (1.0 + most)
-            } else {
-                coarsest
-            },
-        };
-        if trend.shift_se > coarse.error * of_measured {
-            wrong.push(format!(
-                "{name}: from grains {} times as large to real ones it shifts by {} +- {}, and that error may be {} at most ({} standard \
-                 errors of the measurement): make the finest grains {} times as large as real ones or finer, or do more runs, \
-                 replicates in [design]",
-                significant(finest, 3),
-                significant(trend.shift, 3),
-                significant(trend.shift_se, 2),
-                significant(coarse.error * of_measured, 2),
-                significant(coarse.error, 2),
-                significant(trend.finest_allowed, 3),
-            ));
-        }
+        wrong.extend(too_uncertain(coarse, &trend).map(|why| format!("{name}: {why}")));
         let used = search.used(surface, &found.region);
         if let Some((change, p)) = surface.bend(k, &used, &found.best)
             && p < ALPHA / rows
-            && change.abs() > MATTERS * of_measured
+            && change.abs() > MATTERS * trend.measured_se
         {
             wrong.push(format!(
                 "{name}: its trend with the size is bent (p = {p:.1e}); a curve through the same runs would change the value for real \
                  grains by {}, where the measurement has a standard error of {}: take finer grains",
                 significant(change, 2),
-                significant(of_measured, 2)
+                significant(trend.measured_se, 2)
             ));
         }
         trends.push(trend);
@@ -102,6 +69,55 @@ pub(crate) fn trends(
     } else {
         Err(Error::CoarseGraining { lines: wrong })
     }
+}
+
+/// The trend of a measured observable of a model at a point; `None` if the runs have one size.
+fn trend_of(
+    coarse: &CoarseGraining,
+    (measured, model): (&Measurement, &str),
+    surface: &Surface,
+    k: usize,
+    at: &[f64],
+) -> Option<SizeTrend> {
+    let [coarsest, finest] = [coarse.factors.first(), coarse.factors.last()]
+        .map(|factor| factor.copied().unwrap_or(1.0));
+    let (slope, share) = surface.trend(k, at)?;
+    let se = (share * surface.covariance[(k, k)]).sqrt();
+    let measured_se = measured.variance_at(surface.value(k, at)).sqrt();
+    let most = coarse.error * measured_se / (se * (coarsest - finest));
+    Some(SizeTrend {
+        model: model.to_owned(),
+        observable: measured.observable.clone(),
+        slope,
+        slope_se: se,
+        finest,
+        shift: -slope * (finest - 1.0),
+        shift_se: se * (finest - 1.0),
+        measured_se,
+        finest_allowed: if se > 0.0 {
+            (1.0 + coarsest * most) / (1.0 + most)
+        } else {
+            coarsest
+        },
+    })
+}
+
+/// Why the error of a trend is too large to carry the mean to real grains; `None` if it is not.
+fn too_uncertain(coarse: &CoarseGraining, trend: &SizeTrend) -> Option<String> {
+    let most = coarse.error * trend.measured_se;
+    (trend.shift_se > most).then(|| {
+        format!(
+            "from grains {} times as large to real ones it shifts by {} +- {}, and that error may be {} at most ({} standard \
+             errors of the measurement): make the finest grains {} times as large as real ones or finer, or do more runs, \
+             replicates in [design]",
+            significant(trend.finest, 3),
+            significant(trend.shift, 3),
+            significant(trend.shift_se, 2),
+            significant(most, 2),
+            significant(coarse.error, 2),
+            significant(trend.finest_allowed, 3),
+        )
+    })
 }
 
 pub(crate) fn remarks(trends: &[SizeTrend]) -> Vec<String> {

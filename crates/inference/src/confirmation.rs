@@ -5,7 +5,9 @@ use crate::intervals::{best_of, quantile_of};
 use crate::samples::{Runner, Sample, Samples, first_seed, of_regime, usual_regime, wanted};
 use crate::search::{Found, Search};
 use crate::surface::Surface;
-use crate::{ConfirmationRound, ConfirmationRow, Error, Role, SimulatedMean};
+use crate::{
+    CalibrationProblem, Comparison, ConfirmationRound, ConfirmationRow, Error, Role, SimulatedMean,
+};
 use std::collections::BTreeMap;
 
 /// Chance that surfaces which are right are contradicted in a round.
@@ -173,61 +175,81 @@ fn compare(
         &found.best,
     );
     for surface in &found.surfaces {
-        let model = &problem.models[surface.model];
-        let name = &model.name;
-        let samples = runs.get(&surface.model).cloned().unwrap_or_default();
-        let n = samples.done.len();
-        if n == 0 {
-            let reason = samples.failed.first().map_or("", |f| &f.1);
-            let remark = format!(
-                "no run of {name} gives a result at the estimate, so that nothing confirms its surface: {reason}"
-            );
-            if !remarks.contains(&remark) {
-                remarks.push(remark);
-            }
-            continue;
-        }
-        let regime = search.regime(surface.model);
-        let others = samples.done.iter().filter(|s| s.regime != regime).count();
-        if 2 * others > n {
-            remarks.push(format!(
-                "at the estimate {others} of {n} runs of {name} ended up otherwise than {regime}, which its surface \
-                 describes: what was measured lies at or beyond a change of regime"
-            ));
-        }
-        let (group, _) = of_regime(&samples.done, &usual_regime(&samples.done));
-        let n = group.len();
-        let pooled = surface.with_scatter(std::slice::from_ref(&group));
-        let means: Vec<f64> = (0..surface.observables.len())
-            .map(|k| mean(&group, &surface.observables[k]))
-            .collect();
-        for (k, observable) in surface.observables.iter().enumerate() {
-            let measured = |m: &&crate::Measurement| {
-                m.model == surface.model && m.observable == *observable && m.role == Role::Fit
-            };
-            let Some(measured) = problem.measurements.iter().find(measured) else {
-                continue;
-            };
-            let factor = group[0].factor;
-            let at = (&found.best[..], factor);
-            let mut row = row(name, &pooled, (k, observable), at, (means[k], n));
-            let difference = (row.simulated.mean - row.predicted).abs();
-            let of_measured = measured.variance_at(row.predicted);
-            row.matters = difference > IMMATERIAL * of_measured.sqrt();
-            let is_missed = met.iter().any(|m| {
-                !m.holds
-                    && m.observable == *observable
-                    && m.scene == model.scene
-                    && m.condition == model.condition
-            });
-            let of_surface = pooled.leverage(&found.best) * pooled.covariance[(k, k)];
-            let error = (of_measured + of_surface).sqrt();
-            let off = (measured.mean - pooled.value(k, &found.best)).abs();
-            let decides = is_missed && off <= error * normal_limit(ALPHA_OF_A_MEASUREMENT);
-            rows.push(Judged { row, decides });
+        let none = Samples::default();
+        let samples = runs.get(&surface.model).unwrap_or(&none);
+        remarks_on(runner, search, surface, samples, remarks);
+        if !samples.done.is_empty() {
+            rows.extend(judged(problem, found, surface, samples, &met));
         }
     }
     rows
+}
+
+/// Reports a model without a run at the estimate, and one whose runs have another regime than its surface.
+fn remarks_on(
+    runner: &Runner<'_>,
+    search: &Search<'_>,
+    surface: &Surface,
+    samples: &Samples,
+    remarks: &mut Vec<String>,
+) {
+    let name = &runner.problem.models[surface.model].name;
+    let n = samples.done.len();
+    if n == 0 {
+        let reason = samples.failed.first().map_or("", |f| &f.1);
+        let remark = format!(
+            "no run of {name} gives a result at the estimate, so that nothing confirms its surface: {reason}"
+        );
+        if !remarks.contains(&remark) {
+            remarks.push(remark);
+        }
+        return;
+    }
+    let regime = search.regime(surface.model);
+    let others = samples.done.iter().filter(|s| s.regime != regime).count();
+    if 2 * others > n {
+        remarks.push(format!(
+            "at the estimate {others} of {n} runs of {name} ended up otherwise than {regime}, which its surface \
+             describes: what was measured lies at or beyond a change of regime"
+        ));
+    }
+}
+
+/// Fresh runs of one model against its surface, one row for each measurement of the fit; `met` says which of these the runs meet.
+fn judged(
+    problem: &CalibrationProblem,
+    found: &Found,
+    surface: &Surface,
+    samples: &Samples,
+    met: &[Comparison],
+) -> Vec<Judged> {
+    let model = &problem.models[surface.model];
+    let (group, _) = of_regime(&samples.done, &usual_regime(&samples.done));
+    let pooled = surface.with_scatter(std::slice::from_ref(&group));
+    let of_observable = |(k, observable): (usize, &String)| {
+        let measured = problem.measurements.iter().find(|m| {
+            m.model == surface.model && m.observable == *observable && m.role == Role::Fit
+        })?;
+        let at = (&found.best[..], group[0].factor);
+        let runs = (mean(&group, observable), group.len());
+        let mut row = row(&model.name, &pooled, (k, observable), at, runs);
+        let difference = (row.simulated.mean - row.predicted).abs();
+        let of_measured = measured.variance_at(row.predicted);
+        row.matters = difference > IMMATERIAL * of_measured.sqrt();
+        let is_missed = met.iter().any(|m| {
+            !m.holds
+                && m.observable == *observable
+                && m.scene == model.scene
+                && m.condition == model.condition
+        });
+        let of_surface = pooled.leverage(&found.best) * pooled.covariance[(k, k)];
+        let error = (of_measured + of_surface).sqrt();
+        let off = (measured.mean - pooled.value(k, &found.best)).abs();
+        let decides = is_missed && off <= error * normal_limit(ALPHA_OF_A_MEASUREMENT);
+        Some(Judged { row, decides })
+    };
+    let observables = surface.observables.iter().enumerate();
+    observables.filter_map(of_observable).collect()
 }
 
 /// One observable at the estimate: what the surface says of grains as large as those of the runs, what the runs show.

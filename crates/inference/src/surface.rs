@@ -109,10 +109,8 @@ impl Surface {
             (found.condition < SINGULAR.recip()).then_some((degree, crossed, found))
         };
         let (degree, crossed, polynomials) = degrees(most, coarsest.is_some()).find_map(fitted)?;
-        let rows = points.iter().flat_map(|x| polynomials.model.row(x));
         let p = polynomials.model.terms().len();
-        let x = DMatrix::from_row_iterator(points.len(), p, rows);
-        let residual = &y - x * &polynomials.coefficients;
+        let residual = &y - matrix_of(&polynomials.model, &points) * &polynomials.coefficients;
         let cubes = if degree == Degree::Quadratic {
             curved
         } else {
@@ -380,6 +378,12 @@ fn degrees(most: Degree, has_sizes: bool) -> impl Iterator<Item = (Degree, bool)
         let plain = crossed.then_some((degree, false));
         [Some((degree, crossed)), plain].into_iter().flatten()
     })
+}
+
+/// X of a model, (points, terms).
+fn matrix_of(model: &Model, points: &[Vec<f64>]) -> DMatrix<f64> {
+    let rows = points.iter().flat_map(|x| model.row(x));
+    DMatrix::from_row_iterator(points.len(), model.terms().len(), rows)
 }
 
 /// The terms of a surface: 1, each x, the product of the last, the size of the grains, with each of the first `curved` if it is
