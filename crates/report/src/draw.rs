@@ -163,7 +163,6 @@ fn rim_of_dots<'c>(rim: &'c str, fill: &'c str) -> &'c str {
     if rim == PAPER { fill } else { rim }
 }
 
-/// A stroke.
 fn stroke(colour: &str, width: f64, dashed: bool) -> Stroke<'_> {
     if dashed {
         Stroke::dashed(colour, width)

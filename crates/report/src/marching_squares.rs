@@ -51,7 +51,6 @@ type Edge = usize;
 struct Walk<'a> {
     /// The values.
     lattice: &'a Lattice<'a>,
-    /// The level.
     level: f64,
     /// Columns of rim on each side: 0 or 1.
     rim: usize,

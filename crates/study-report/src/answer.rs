@@ -139,7 +139,6 @@ fn errors(study: &ResidualStudy) -> Option<String> {
     ))
 }
 
-/// The effects of a model.
 fn effects(model: &AddedEffect) -> String {
     let names: Vec<&str> = model.effects.keys().map(String::as_str).collect();
     names.join(" and ")

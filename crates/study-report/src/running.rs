@@ -45,7 +45,6 @@ pub struct RunningStage {
     pub at_most_further: usize,
 }
 
-/// A finished run.
 #[derive(Debug)]
 struct FinishedRun {
     /// What was asked for.

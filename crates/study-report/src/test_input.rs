@@ -209,7 +209,6 @@ fn comparison(problem: &CalibrationProblem, i: usize, mean: f64, z: f64) -> Comp
     }
 }
 
-/// The joint estimate.
 fn joint() -> JointEstimate {
     JointEstimate {
         parameters: vec![

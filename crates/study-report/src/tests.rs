@@ -12,7 +12,6 @@ use crate::test_residual::twins;
 use inference::{Comparison, DiagnosisStage, InputEstimate, Role, WithEffects};
 use std::collections::BTreeMap;
 
-/// The page of an example.
 fn page(example: &Example) -> String {
     study_page(&example.input()).unwrap()
 }

@@ -9,7 +9,6 @@ use std::path::Path;
 #[derive(serde::Deserialize)]
 struct ResultFile {
     parameters: Vec<Found>,
-    /// Its inputs.
     #[serde(default)]
     inputs: Vec<Found>,
 }

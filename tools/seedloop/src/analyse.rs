@@ -222,7 +222,6 @@ struct Report<'a> {
     transform: Option<Transform>,
     /// What the columns of the factors held.
     columns_hold: Coding,
-    /// The fit.
     #[serde(flatten)]
     fit: &'a Fit,
     /// |t| with its limits.
@@ -336,11 +335,8 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
 
 /// A fit with what it was made from.
 struct Fits<'a> {
-    /// The fit.
     fit: &'a Fit,
-    /// Its model.
     model: &'a Model,
-    /// Its observations.
     observations: &'a Observations,
     /// What its weights were taken from.
     weighting: Weighting,

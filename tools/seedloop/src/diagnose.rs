@@ -61,7 +61,6 @@ struct Report<'a> {
     version: String,
     /// SHA-256 of the input file.
     inputs: BTreeMap<String, String>,
-    /// The diagnosis.
     #[serde(flatten)]
     diagnosis: &'a Diagnosis,
 }

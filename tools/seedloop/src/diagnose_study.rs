@@ -68,7 +68,6 @@ struct Plan<'a> {
 }
 
 impl<'a> Plan<'a> {
-    /// Of a study.
     fn new(study: &'a Study, price: &'a DiagnosisPrice) -> Self {
         Self {
             problem: &study.problem,

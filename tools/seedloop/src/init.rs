@@ -39,7 +39,6 @@ pub(crate) struct Arguments {
 struct Report {
     /// Version of the program.
     version: &'static str,
-    /// Paths of the files.
     files: Vec<PathBuf>,
 }
 

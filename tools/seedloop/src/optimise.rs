@@ -161,7 +161,6 @@ struct Report {
     factors: Vec<String>,
     /// Values in the unit of the response, where a function of it was fitted; all others are those of the function.
     original: Option<InUnit>,
-    /// The solutions.
     #[serde(flatten)]
     solutions: Solutions,
     /// The prediction at the point asked for.

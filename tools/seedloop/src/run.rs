@@ -114,7 +114,6 @@ struct RunReport {
     line: usize,
     /// Which run of its row it is, from 1.
     repeat: usize,
-    /// Its seed.
     seed: u64,
     /// Name of its scene.
     model: String,

@@ -123,7 +123,6 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 /// A finished run.
 struct Outcome {
-    /// Its record.
     record: Record,
     /// The run itself; `None` if the record was there before.
     result: Option<RunResult>,

@@ -24,7 +24,6 @@ pub(crate) struct Arguments {
 /// A row with its verdict.
 #[derive(Debug, Serialize)]
 struct Judged {
-    /// The row.
     #[serde(flatten)]
     row: Row,
     /// `PASS` or `FAIL`.
@@ -39,7 +38,6 @@ struct Report {
     header: Header,
     /// Number of rows that fail.
     failed: usize,
-    /// The rows.
     rows: Vec<Judged>,
 }
 

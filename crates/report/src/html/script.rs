@@ -28,7 +28,6 @@ pub(crate) enum Script {
 }
 
 impl Script {
-    /// Its text.
     fn text(self) -> &'static str {
         match self {
             Self::Viewer => include_str!("viewer.js"),

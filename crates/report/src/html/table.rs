@@ -58,7 +58,6 @@ impl Column {
 pub struct Table {
     /// What the table shows, plain text.
     caption: String,
-    /// The columns.
     columns: Vec<Column>,
     /// The rows, plain text.
     rows: Vec<Vec<String>>,

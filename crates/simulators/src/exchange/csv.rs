@@ -39,7 +39,6 @@ pub fn series(name: &str, scene: &Scene, frames: &[Frame], bodies: &[Arc<SeedBod
         .collect()
 }
 
-/// One frame.
 fn rows(scene: &Scene, frame: &Frame, bodies: &[Arc<SeedBody>]) -> String {
     let mut writer = Writer::from_writer(Vec::new());
     // Writing to memory cannot fail.

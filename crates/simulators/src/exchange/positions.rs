@@ -34,11 +34,8 @@ pub fn read_positions(path: &Path) -> Result<Vec<Moment>, Error> {
 /// Where the values of a sphere stand in a row.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Places {
-    /// Centre.
     centre: [usize; 3],
-    /// Radius.
     radius: usize,
-    /// Velocity.
     velocity: Option<[usize; 3]>,
     /// Seed.
     body: Option<usize>,

@@ -33,7 +33,6 @@ pub(crate) struct Bed {
     drive: Drive,
     /// One value a moment.
     series: Vec<SeriesPoint>,
-    /// The moments.
     moments: Vec<Moment>,
 }
 

@@ -19,7 +19,6 @@ pub(crate) struct LeftMoments {
 
 /// A moment with the place of its file in the list.
 struct Found {
-    /// The moment.
     moment: Moment,
     /// The place.
     file: usize,

@@ -196,7 +196,6 @@ impl PeerSimulator {
 
 /// A run that came to its end.
 struct Done {
-    /// The bed.
     bed: Bed,
     /// What is kept of it.
     state: SteadyState,

@@ -12,9 +12,7 @@ pub const SECONDS_PER_COST: f64 = 0.0025;
 /// Simulated time of one repeat of a bench test, s: the pull of the sled is fixed, a drop and a tilt end with the
 /// motion of the seed (measured on coated cotton seeds, 4 repeats each).
 const PULL_S: f64 = 0.75;
-/// Of one drop, s.
 const DROP_S: f64 = 0.08;
-/// Of one tilt, s.
 const TILT_S: f64 = 6.0;
 
 /// What a step on a plate of seeds costs over one on a smooth plate: 1 to 2 with 20 spheres a seed, 3 to 15 with

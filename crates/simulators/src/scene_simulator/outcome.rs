@@ -51,7 +51,6 @@ fn interval_of(times: &[f64]) -> Option<f64> {
     (last > first).then(|| (last - first) / (times.len() - 1) as f64)
 }
 
-/// All observables of a run.
 fn observables(result: &RunResult, surface: &SurfaceReadings) -> BTreeMap<String, Observation> {
     let start = result.ending.cut();
     let steady = &result.series[start.min(result.series.len())..];

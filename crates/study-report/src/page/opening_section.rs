@@ -145,7 +145,6 @@ fn errors(page: &mut Page<'_>) {
     }
 }
 
-/// The parameters.
 fn parameters(page: &mut Page<'_>) -> Result<(), Error> {
     let (added, found) = (added(page), page.input.calibration);
     let mut columns = vec![

@@ -36,7 +36,6 @@ pub(crate) fn pair(input: &ReportInput<'_>, [a, b]: [usize; 2]) -> Option<Plot> 
     (points.len() > 1).then(|| scatter(x, y, points, marked))
 }
 
-/// Title of the axis of a parameter.
 fn title(parameter: &Estimate) -> AxisTitle {
     let text = format!("{}: {}", parameter.symbol, parameter.name);
     AxisTitle::new(text, shown_unit(&parameter.unit))
@@ -50,7 +49,6 @@ struct Equation<'a> {
     parameters: Vec<usize>,
     /// Measured mean, in the unit of the observable.
     mean: f64,
-    /// Its variance.
     variance: f64,
 }
 

@@ -11,7 +11,6 @@ use std::collections::BTreeMap;
 
 /// Nodes of the grid of contours in each direction.
 const NODES: usize = 81;
-/// Points of a curve.
 const CURVE_POINTS: usize = 11;
 /// Half width of a two-sided 95 % interval of a normal distribution, in standard deviations; used where the residuals
 /// have no degrees of freedom for Student's t.
@@ -90,9 +89,7 @@ pub(crate) fn variance_of_mean(fit: &Fit, coded: &[f64]) -> f64 {
 
 /// A fit with what it is held against.
 struct Shown<'a> {
-    /// The report.
     input: &'a ReportInput<'a>,
-    /// The fit.
     fit: &'a Fit,
     /// Name of the observable.
     quantity: &'a str,
@@ -101,7 +98,6 @@ struct Shown<'a> {
 }
 
 impl Shown<'_> {
-    /// Title of the axis of the response.
     fn response(&self) -> AxisTitle {
         let (words, unit) = observable(self.quantity);
         AxisTitle::new(words, unit)

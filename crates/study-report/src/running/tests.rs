@@ -59,7 +59,6 @@ fn campaign() -> RunningCampaign {
     }
 }
 
-/// The page in a folder.
 fn page(folder: &Path) -> String {
     std::fs::read_to_string(folder.join("report.html")).unwrap()
 }

@@ -65,7 +65,6 @@ fn input_of(study: &ResidualStudy) -> DiagnosisInput<'_> {
     }
 }
 
-/// That page.
 fn page_of(study: &ResidualStudy) -> String {
     let folder = tempfile::tempdir().unwrap();
     write_diagnosis(folder.path(), &input_of(study)).unwrap();

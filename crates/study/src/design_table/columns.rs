@@ -114,7 +114,6 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// A problem of a column.
     fn wrong(&self, column: usize, problem: String) -> Problem {
         let name = &self.table.header()[column];
         Problem {

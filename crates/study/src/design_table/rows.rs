@@ -153,7 +153,6 @@ impl Asked {
 }
 
 impl<'a> Reader<'a> {
-    /// A problem of a cell.
     fn of_cell(&self, row: &Row, column: usize, problem: String) -> Problem {
         Problem {
             file: self.choices.design.display().to_string(),

@@ -191,7 +191,6 @@ fn aliases(text: &mut String, report: &Report<'_>) {
     }
 }
 
-/// The fit with random batches.
 fn batches(text: &mut String, fit: &RandomBlocks) {
     let _ = writeln!(
         text,

@@ -20,7 +20,6 @@ struct Report {
     response: String,
     /// Name of the column of the groups.
     groups: String,
-    /// The analysis.
     #[serde(flatten)]
     analysis: OneWay,
     /// All pairs of groups at once; null without replicates or scatter, and for more than 30 groups.

@@ -89,7 +89,6 @@ pub(super) fn predictions(
 
 /// Where the settings stand in a table.
 struct Settings<'a> {
-    /// The table.
     table: &'a Table,
     /// The data whose factors are set.
     data: &'a Data,

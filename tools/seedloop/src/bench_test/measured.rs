@@ -22,7 +22,6 @@ pub(crate) enum Error {
     /// A column is missing.
     #[error("no column '{column}'; the columns of this test are {known}")]
     NoColumn {
-        /// The column.
         column: &'static str,
         /// What the test reads.
         known: &'static str,
@@ -32,7 +31,6 @@ pub(crate) enum Error {
     Cell {
         /// Where it stands, in words.
         place: String,
-        /// The text.
         text: String,
         /// What it must be.
         requirement: &'static str,

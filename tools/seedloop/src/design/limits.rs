@@ -139,7 +139,6 @@ fn term_of(term: &str, sign: f64) -> Option<(Option<String>, f64)> {
     }
 }
 
-/// The place of a factor.
 fn place(factors: &[Factor], symbol: &str) -> anyhow::Result<usize> {
     let found = factors.iter().position(|f| f.symbol() == symbol);
     found.with_context(|| {

@@ -13,7 +13,6 @@ const MODEL: &str = "scene";
 /// A scene with its seed, ready to be run.
 #[derive(Debug)]
 pub(super) struct SingleRun {
-    /// The scene.
     scene: Scene,
     /// The run of it with nothing changed.
     request: RunRequest,
