@@ -100,7 +100,7 @@ impl Simulator for Sharing {
     fn run_on(&self, request: &RunRequest, cores: &Cores) -> Result<RunOutcome, SimulatorError> {
         let begin = Instant::now();
         let first = cores.of_a_run();
-        while request.parameter("x") == Some(2.0) && cores.of_a_run() < 2 {
+        while request.parameter("x")? == 2.0 && cores.of_a_run() < 2 {
             if begin.elapsed() > Duration::from_secs(20) {
                 let reason = "the other core stayed idle".into();
                 return Err(SimulatorError::Failed { reason });
