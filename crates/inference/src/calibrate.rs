@@ -132,7 +132,7 @@ pub fn calibrate(
     })
 }
 
-/// What the search finds; nothing is made of runs with coarse grains that tell too little of real ones.
+/// What the search finds; nothing is made of runs with coarse grains that say too little about real ones.
 fn found(
     problem: &CalibrationProblem,
     search: &mut Search<'_>,

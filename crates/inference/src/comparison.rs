@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// Chance that one of the measurements of a role fails although all agree.
 const ALPHA: f64 = 0.05;
 
-/// Standard errors by which what slopes tell must exceed 0.
+/// Standard errors by which the information of slopes must exceed 0.
 const NOISE: f64 = 2.0;
 
 /// Known data of the models: surfaces about the estimate, pooled scatter.

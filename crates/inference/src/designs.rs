@@ -134,7 +134,7 @@ pub(crate) fn two_level(
     })
 }
 
-/// Points about a middle that tell the slope along each parameter with few runs: one more than parameters, and four at
+/// Points about a middle that show the slope along each parameter with few runs: one more than parameters, and four at
 /// the least. The middle itself is run elsewhere. D-optimal for a plane; full factorials of one and two parameters.
 ///
 /// # Errors
@@ -195,7 +195,7 @@ pub(crate) fn design_runs(
     Ok(runs)
 }
 
-/// Points that tell how a model depends on its inputs: `at` with one of them at each end of its range.
+/// Points that show how a model depends on its inputs: `at` with one of them at each end of its range.
 pub(crate) fn input_points(asked: Asked<'_>, model: usize, at: &[f64]) -> Vec<Vec<f64>> {
     let moved = |j: usize| {
         let parameter = &asked.problem.parameters[j];
@@ -241,7 +241,7 @@ mod tests {
     }
 
     /// Each number of parameters that can be calibrated has a design with more runs than its quadratic has terms, so
-    /// that the noise can be told.
+    /// that the noise can be estimated.
     #[test]
     fn each_number_of_parameters_has_a_design_that_tells_the_noise() {
         let settings = LoopSettings::default();

@@ -106,7 +106,7 @@ pub enum Error {
         /// Number needed, in words.
         expected: &'static str,
     },
-    /// Runs with coarse grains that tell too little of real ones: a refusal.
+    /// Runs with coarse grains that say too little about real ones: a refusal.
     #[error("the grains are too coarse:\n  {}", lines.join("\n  "))]
     CoarseGraining {
         /// Why, one line for each measurement.

@@ -1,4 +1,4 @@
-//! What the slopes of the surfaces tell beyond their own noise.
+//! Information in the slopes of the surfaces beyond their own noise.
 
 use crate::diagnosis::Whitener;
 use crate::joint_fit::{JointFit, Minimum, Target};

@@ -1,4 +1,4 @@
-//! What the measurements of a problem can be expected to tell, before any run.
+//! What the measurements of a problem can be expected to detect, before any run.
 
 use crate::diagnosis::{Level, Power, PowerDesign, power};
 use crate::diagnosis_stage::{name_in_plan, plan};

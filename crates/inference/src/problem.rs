@@ -128,7 +128,7 @@ impl CoarseGraining {
     /// Name of the factor in [`campaign::RunRequest::parameters`].
     pub const SYMBOL: &str = "coarse_graining";
 
-    /// Refuses factors that tell no trend.
+    /// Refuses factors that show no trend.
     fn check(&self, problem: &CalibrationProblem, wrong: &mut Vec<String>) {
         let factors = &self.factors;
         if let Some(factor) = factors.iter().find(|f| !(f.is_finite() && **f > 1.0)) {

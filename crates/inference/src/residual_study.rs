@@ -102,7 +102,7 @@ pub struct AddedEffect {
     pub estimates: BTreeMap<String, Amplitude>,
     /// Declared parameters after the fit with the effect on.
     pub fitted: BTreeMap<String, f64>,
-    /// Their standard errors; without those that the slopes do not tell.
+    /// Their standard errors; without those that the slopes do not identify.
     pub fitted_se: BTreeMap<String, f64>,
     /// Simulated means, (conditions, observables).
     pub simulated: Vec<Vec<f64>>,
@@ -157,7 +157,7 @@ pub fn study_residual(
     }
 }
 
-/// Leaves out the observables that were measured at no condition: nothing would tell how their runs scatter.
+/// Leaves out the observables that were measured at no condition: nothing would show how their runs scatter.
 fn leave_out_unmeasured(plan: &mut ResidualPlan) {
     let measured = |k: &usize| plan.conditions.iter().any(|c| c.values[*k].is_some());
     let kept: Vec<usize> = (0..plan.observables.len()).filter(measured).collect();

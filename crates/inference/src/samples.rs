@@ -31,7 +31,7 @@ pub(crate) struct Sample {
     pub(crate) factor: f64,
     /// Means of the observables by name.
     pub(crate) values: BTreeMap<String, f64>,
-    /// How it ended up; empty where the simulator does not tell.
+    /// How it ended up; empty if the simulator has none.
     pub(crate) regime: String,
     pub(crate) key: String,
 }

@@ -315,7 +315,7 @@ impl<'a> Search<'a> {
         near(inside, &surface.parameters, region)
     }
 
-    /// The regime that the surfaces of a model describe; empty where the simulator tells none.
+    /// The regime that the surfaces of a model describe; empty if the simulator has none.
     pub(crate) fn regime(&self, model: usize) -> &str {
         self.regime.get(&model).map_or("", String::as_str)
     }

@@ -51,7 +51,7 @@ pub struct LoopSettings {
     pub surface: SurfaceDesign,
     /// Runs of each point of a design.
     pub replicates: usize,
-    /// Centre points of a design; they tell the noise.
+    /// Centre points of a design; they show the noise.
     pub centre_points: usize,
     /// When to screen.
     pub screening: ScreeningChoice,

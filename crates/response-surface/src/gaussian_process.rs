@@ -354,7 +354,7 @@ mod tests {
     }
 
     /// Runs in rows of their own, or as means with their standard deviations: the same likelihood but for a constant, so
-    /// that parameters and predictions agree to what the search tells (1e-4 of the scatter of a run).
+    /// that parameters and predictions agree to the tolerance of the search (1e-4 of the scatter of a run).
     #[test]
     fn replicates_count_alike_in_rows_and_in_cells() {
         let factors = [Factor::coded_only("A").unwrap()];

@@ -270,7 +270,7 @@ fn unseen(study: &ResidualStudy) -> Option<String> {
         ),
         (
             Unseen::SlopeIsNoise,
-            "not known well enough, more runs would tell",
+            "not known well enough, more runs would show it",
         ),
     ];
     let parts = reasons.into_iter().filter_map(|(reason, words)| {

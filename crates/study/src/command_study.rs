@@ -53,7 +53,7 @@ fn check_names(file: &StudyFile, problems: &mut Problems) {
         } else if TAKEN.contains(&name) {
             format!("every run has {}: use another name", TAKEN.join(" and "))
         } else if other == name && kind != key {
-            format!("is also the name of a {kind}: the program could not tell them apart")
+            format!("is also the name of a {kind}: the program could not distinguish them")
         } else if other != name {
             format!(
                 "reaches the program as {variable}, as '{other}' does: use names that differ in more than capitals and signs"

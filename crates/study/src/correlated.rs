@@ -1,4 +1,4 @@
-//! Correlations of the means of one measurement, as the file states them and as its photos tell them.
+//! Correlations of the means of one measurement, as the file states them and as its photos show them.
 
 use crate::document::below;
 use crate::file::{MeasuredCorrelation, MeasuredEntry};

@@ -1,4 +1,4 @@
-//! What a series of frames says: means with their errors, how they go together, and what they tell of time.
+//! What a series of frames says: means with their errors, their correlations, and correlation times.
 
 use crate::file::{MeasuredCorrelation, MeasuredEntry, MeasuredValue};
 use crate::photos::{FrameValues, PhotoSeries};
@@ -135,7 +135,7 @@ fn speed(
     let bias = SelectionBias::new(&found, lost);
     if bias.is_some_and(|bias| !bias.is_borne()) {
         series.remarks.push(format!(
-            "{SPEED}: left out, too many pairs of pictures do not tell it"
+            "{SPEED}: left out, too many pairs of pictures do not show it"
         ));
         return None;
     }
@@ -249,7 +249,7 @@ fn value_from(
     if is_one && k > 0 {
         series
             .remarks
-            .push(format!("{name}: left out, one photo tells no error of it"));
+            .push(format!("{name}: left out, one photo shows no error of it"));
         return None;
     }
     if is_one {

@@ -168,7 +168,7 @@ pub(crate) fn read(
     series.remarks.extend(on_their_side(postures));
     if let Some(first) = lost.first() {
         let (lost, all) = (lost.len(), lost.len() + speeds.len());
-        let remark = format!("{SPEED}: {lost} of {all} pairs of pictures do not tell it: {first}");
+        let remark = format!("{SPEED}: {lost} of {all} pairs of pictures do not show it: {first}");
         series.remarks.push(remark);
     }
     let wanted = Wanted {

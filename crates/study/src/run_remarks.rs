@@ -1,4 +1,4 @@
-//! What a reader should know of the runs behind a result, as their records tell it.
+//! What a reader should know of the runs behind a result, from their records.
 
 use crate::scenes::model_name;
 use campaign::run_store::Record;

@@ -296,7 +296,7 @@ fn judge(
     Ok(Some(evaluate(&expanded, &model.model, over)?))
 }
 
-/// Prints what the design can tell.
+/// Prints what the design can detect.
 fn describe(common: &Common, evaluation: &Evaluation) -> anyhow::Result<()> {
     common.print(format!("for the model {}:", evaluation.model))?;
     if !evaluation.aliased.is_empty() {

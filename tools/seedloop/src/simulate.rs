@@ -439,7 +439,7 @@ mod tests {
         assert!(kept(None).contains("with --out DIR"));
     }
 
-    /// What could not be written is all told, and nothing else is lost for it.
+    /// Everything that could not be written is reported, and nothing else is lost for it.
     #[test]
     fn what_cannot_be_written_is_told_at_the_end() {
         let refused = |what: &str| Err(anyhow::anyhow!("{what} is full"));

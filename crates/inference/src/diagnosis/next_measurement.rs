@@ -66,7 +66,7 @@ pub struct PlannedExperiment {
     pub criterion: f64,
 }
 
-/// An effect that an experiment should tell of.
+/// An effect that an experiment should detect.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QuestionedEffect {
     /// Its name.
@@ -77,7 +77,7 @@ pub struct QuestionedEffect {
 
 /// What an experiment is asked.
 enum Question {
-    /// To tell effects apart.
+    /// To distinguish effects.
     Separate(Vec<Pair>),
     /// To see effects of these amplitudes.
     See(Vec<(usize, f64)>),
@@ -96,7 +96,7 @@ struct Task {
 }
 
 impl Diagnosis {
-    /// Effects that an experiment should tell of, the most important first: those that tie, the suspects of an unknown
+    /// Effects that an experiment should detect, the most important first: those that tie, the suspects of an unknown
     /// cause, or those that re-tuning hides; empty if nothing is in question.
     pub fn in_question(&self) -> Vec<QuestionedEffect> {
         let found = |name: &String| {
@@ -421,8 +421,8 @@ fn longest_for_parameters(problem: &Problem) -> usize {
 
 fn advice(purpose: Purpose, first: Option<&PlannedExperiment>, reached: bool) -> String {
     let what = match purpose {
-        Purpose::BreakTie => "to tell the tied effects apart",
-        Purpose::TellSuspects => "to tell the suspects apart",
+        Purpose::BreakTie => "to distinguish the tied effects",
+        Purpose::TellSuspects => "to distinguish the suspects",
         Purpose::SeeSuspect => "to see the suspect better",
         Purpose::FreeEffect => "to see the effect that re-tuning can imitate",
         Purpose::SettleParameters => "to have more observations than parameters",

@@ -52,7 +52,7 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// The effects that are named, or the tie set; empty otherwise.
     pub effects: Vec<String>,
-    /// The same in plain language, with what cannot be told.
+    /// The same in plain language, with what remains open.
     pub summary: String,
     /// Effects that would help but are not named, because an unknown effect is not excluded, the
     /// unused conditions speak against them, or one condition carries them.
@@ -268,7 +268,7 @@ pub struct CheckedModel {
 }
 
 impl Diagnosis {
-    /// The diagnosis in plain language, with what cannot be told.
+    /// The diagnosis in plain language, with what remains open.
     pub fn summary(&self) -> &str {
         &self.summary
     }

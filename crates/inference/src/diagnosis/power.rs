@@ -1,4 +1,4 @@
-//! What a design can be expected to tell before any run: drawn campaigns with shapes of chance.
+//! What a design can be expected to detect before any run: drawn campaigns with shapes of chance.
 
 use nalgebra::{DMatrix, DVector};
 use probability::random_stream::Stream;

@@ -117,7 +117,7 @@ pub(crate) struct Experiment {
     pub(crate) declared: DMatrix<f64>,
     /// Sensitivities to the library amplitudes (its rows, effects).
     pub(crate) library: DMatrix<f64>,
-    /// Numbers of the effects of which it tells; all if none are given.
+    /// Numbers of the effects that it can show; all if none are given.
     pub(crate) effects: Option<Vec<usize>>,
     /// The runs behind its sensitivities; `None` if these are exact.
     pub(crate) runs: Option<RunNoise>,

@@ -89,7 +89,7 @@ pub struct ExperimentFile {
     pub sensitivities_library: Vec<Vec<f64>>,
     /// Covariance of its rows, measurement and simulator together (its rows, its rows).
     pub covariance: Vec<Vec<f64>>,
-    /// Effects of which it tells: whose columns of `sensitivities_library` are known; all where absent.
+    /// Effects that it can show: those whose columns of `sensitivities_library` are known; all where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub effects: Option<Vec<String>>,
     /// The runs behind its sensitivities; absent where these are exact.

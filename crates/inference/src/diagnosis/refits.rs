@@ -54,7 +54,7 @@ impl RefittedModel {
     /// N is there because the noise of its runs is in a and, with the other sign, in d; 1 because the other model has fitted an amplitude of
     /// its own to the noise of the data. This model is refuted below the t quantile of `level`.
     ///
-    /// The part `2 N / |d|^2` of the distance is noise of the runs of both, which tells of neither. The ln of the odds, each model
+    /// The part `2 N / |d|^2` of the distance is noise of the runs of both, which belongs to neither. The ln of the odds, each model
     /// as likely before, is the rest of half the difference of the sums of squares C; with a covariance that is estimated with nu
     /// degrees of freedom from n values, of `(nu + n) / 2 ln((nu + C_a) / (nu + C_b))`. [own; the likelihood ratio of two given
     /// means]
@@ -114,7 +114,7 @@ impl Diagnosis {
     }
 
     /// Takes back a name that by all conditions together, those kept from the fit as well, is not a hundred times as likely as an unknown
-    /// effect; the ln of how much more likely its first effect is is given, none if no run tells.
+    /// effect; the ln of how much more likely its first effect is is given, `None` if no run shows it.
     #[must_use]
     pub fn against_unknown(mut self, ln_factor: Option<f64>) -> Self {
         let first = self

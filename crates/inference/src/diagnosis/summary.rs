@@ -1,4 +1,4 @@
-//! The verdict in plain language, with what cannot be told.
+//! The verdict in plain language, with what remains open.
 
 use input::quantity::significant;
 use std::fmt::Write as _;

@@ -1,4 +1,4 @@
-//! Whitened rows with the noise of their sensitivities: what an experiment would tell.
+//! Whitened rows with the noise of their sensitivities: the information of an experiment.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -145,7 +145,7 @@ impl Uncertainty {
     ///
     /// Inputs are parameters with a prior: what their errors add to the covariance of the tuned ones is in C, across all
     /// measurements. To take a noisy slope along an input for 0 would make the input exact, so that all of them stay; but what
-    /// [their noise adds](with_noisy_inputs) does not tell an input from a parameter that acts alike.
+    /// [their noise adds](with_noisy_inputs) does not distinguish an input from a parameter that acts alike.
     pub(crate) fn new(fit: &JointFit<'_>, best: &Minimum, whitening: &Whitener) -> Self {
         let (k, tuned) = (fit.parameters.len(), fit.n_tuned());
         let limits = fit.parameters.iter().map(|p| p.limits);

@@ -42,7 +42,7 @@ fn of_runs(
 ///
 /// The observation noise goes in as known. The noise of the simulator enters three times: in the
 /// residual (mean of the runs of a condition), and in each sensitivity (difference of two such means). What an
-/// effect does to the conditions kept apart is not predicted here: real runs tell it.
+/// effect does to the conditions kept apart is not predicted here: real runs show it.
 pub(super) fn problem(
     plan: &ResidualPlan,
     linear: &Linearisation,
@@ -171,7 +171,7 @@ fn offsets(plan: &ResidualPlan, fitted: &[f64]) -> Vec<f64> {
     plan.parameters.iter().zip(fitted).map(offset).collect()
 }
 
-/// Degrees of freedom of the variance of a residual that is known worst: a measurement is known, and runs tell only the rest.
+/// Degrees of freedom of the variance of a residual that is known worst: a measurement is known, and runs give only the rest.
 ///
 /// # Formula
 ///

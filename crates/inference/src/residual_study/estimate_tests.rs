@@ -19,7 +19,7 @@ fn braked(rpm: f64, friction: f64, drag: f64) -> [f64; 2] {
     [30.0 + 0.1 * rpm, slip / UNIT]
 }
 
-/// A drum whose wall slips the less, the rougher it is, and the more, the more a brake drags at it. Its angle tells of neither.
+/// A drum whose wall slips the less, the rougher it is, and the more, the more a brake drags at it. Its angle shows neither.
 fn braked_run(request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
     let (rpm, friction) = (request.condition("rpm")?, request.parameter("a")?);
     let values = braked(rpm, friction, request.effect("bend"));

@@ -20,7 +20,7 @@ pub struct StudyCondition {
     /// What is read of its runs: pairs of a name in [`ResidualPlan::observables`] and the name that the run gives it;
     /// all of them under their own names where absent.
     pub observables: Option<BTreeMap<String, String>>,
-    /// Declared parameters on which its runs depend, by name; all where absent. A run is not told of others: an input of one scene is
+    /// Declared parameters on which its runs depend, by name; all where absent. A run does not receive others: an input of one scene is
     /// none of another.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parameters: Option<BTreeSet<String>>,

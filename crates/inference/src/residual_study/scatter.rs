@@ -92,7 +92,7 @@ impl Scatter {
     }
 
     /// Covariance of one run at each condition, and the degrees of freedom of the variances of each observable, harmonic means over
-    /// the conditions; without end for one that `tested` does not read, or whose runs tell nothing of any scatter.
+    /// the conditions; without end for one that `tested` does not read, or whose runs show no scatter.
     ///
     /// # Formula
     ///

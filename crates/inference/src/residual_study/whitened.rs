@@ -7,7 +7,7 @@ use crate::Error;
 use crate::diagnosis::Covariance;
 use nalgebra::{DMatrix, DVector};
 
-/// Degrees of freedom for each observable from which on the scatter of the runs tells their covariance.
+/// Degrees of freedom for each observable from which on the scatter of the runs gives their covariance.
 const RUNS_TO_KNOW: usize = 3;
 
 /// The rows and columns of a covariance whose observables were measured at a condition.
@@ -51,7 +51,7 @@ pub(super) fn of_runs(
 }
 
 /// The difference of two means at the used conditions, or another of so many runs, in standard deviations of the runs; of those of the
-/// measurements too where the runs are too few to tell their covariance.
+/// measurements too if the runs are too few for their covariance.
 pub(super) fn difference(
     plan: &ResidualPlan,
     linear: &Linearisation,

@@ -215,8 +215,11 @@ fn sizes_whose_runs_fail_are_refused() {
         noise: RUN,
     };
     let refused = run(&toy, &study(truth(), &[3.0, 2.0], 10.0)).unwrap_err();
-    let told = refused.to_string();
-    assert!(told.contains("nothing tells its trend"), "{told}");
+    let Error::CoarseGraining { lines } = refused else {
+        panic!("{refused}");
+    };
+    assert!(lines[0].contains("y of one"), "{lines:?}");
+    assert!(lines[1].contains("y of two"), "{lines:?}");
 }
 
 /// Factors that tell no trend, one by one.

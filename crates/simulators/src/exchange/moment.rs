@@ -15,7 +15,7 @@ const MIDDLE_OF_BED: f64 = PI / 6.0;
 /// A sphere of a bed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BedSphere {
-    /// Number of the seed that it belongs to; its own number where the file does not tell.
+    /// Number of the seed that it belongs to; its own number if the file has none.
     pub body: usize,
     /// Where it is and how large, m.
     pub sphere: Sphere,

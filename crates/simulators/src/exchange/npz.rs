@@ -125,7 +125,7 @@ mod tests {
     use std::io::Read as _;
 
     /// An array is found again by the definition of the format: six bytes of magic, the version, the length of a text that fills
-    /// the head up to a multiple of 64 and tells type, order and shape, and the numbers behind it.
+    /// the head up to a multiple of 64 and states type, order and shape, and the numbers follow it.
     #[test]
     fn an_array_is_as_the_format_defines_it() {
         let mut arrays = Archive(ZipWriter::new(Cursor::new(Vec::new())));

@@ -16,7 +16,7 @@ struct PointArrays<'a> {
 }
 
 impl PointArrays<'_> {
-    /// The moment that the arrays tell: `points`, `radius` or `diameter`, and `velocity` or `v`, `body` or `mol` where they
+    /// The moment of the arrays: `points`, `radius` or `diameter`, and `velocity` or `v`, `body` or `mol` where they
     /// are there.
     fn moment(&self) -> Result<Moment, Error> {
         let find = |names: &[&str], components: usize| {
@@ -205,7 +205,7 @@ pub(crate) fn read_legacy(text: &str, file: &str) -> Result<Moment, Error> {
                     let at = |k: usize| after.get(k).map_or("", |(_, word)| *word);
                     let size = |k: usize| {
                         let number = at(k).parse::<usize>();
-                        number.map_err(|_| wrong(*line, "an array of a FIELD must tell its size"))
+                        number.map_err(|_| wrong(*line, "an array of a FIELD must state its size"))
                     };
                     let (components, tuples) = (size(1)?, size(2)?);
                     let (name, values) = (at(0).to_owned(), after.get(4..).unwrap_or(&[]));

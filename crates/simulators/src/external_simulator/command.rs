@@ -72,7 +72,7 @@ pub struct CommandModel {
     pub scene: String,
     /// The condition by name.
     pub condition: BTreeMap<String, String>,
-    /// Names of the parameters on which its runs depend; others are not told to the program.
+    /// Names of the parameters on which its runs depend; the program does not receive others.
     pub parameters: Vec<String>,
     /// The drum that positions and pictures show; `None` if the command gives observables alone.
     pub drum: Option<DrumDescription>,

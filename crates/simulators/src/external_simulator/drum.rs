@@ -29,9 +29,9 @@ pub struct DrumDescription {
     /// Gravity, m/s².
     #[serde(default = "usual::gravity")]
     pub gravity_m_s2: f64,
-    /// Time from one moment to the next, where the files do not tell their times.
+    /// Time from one moment to the next, if the files do not contain times.
     pub interval: Option<String>,
-    /// Time step, where the files tell steps.
+    /// Time step, if the files contain steps.
     pub time_step: Option<String>,
     /// Time that is left out at the start.
     pub start_up: Option<String>,
@@ -219,7 +219,7 @@ impl DrumOfRun {
         };
         let times: Option<Vec<f64>> = moments.iter().map(time).collect();
         let times = times.ok_or(
-            "the files of positions tell no times: state [scene.drum] time_step for dumps, or interval",
+            "the files of positions contain no times: state [scene.drum] time_step for dumps, or interval",
         )?;
         let n = times.len() - 1;
         let interval = (times[n] - times[0]) / n as f64;

@@ -121,7 +121,7 @@ mod tests {
         )
     }
 
-    /// Spheres of 2 mm whose centres are inside, as a dump tells them.
+    /// Spheres of 2 mm whose centres are inside, as a dump gives them.
     fn moment(is_inside: impl Fn(f64, f64) -> bool) -> Moment {
         let places = (-60..=60_i32).flat_map(|i| (-60..=60_i32).map(move |j| (i, j)));
         let places = places.map(|(i, j)| (f64::from(i) * 0.5e-3, f64::from(j) * 0.5e-3));

@@ -29,7 +29,7 @@ pub struct Effort {
 /// The outcome of a run: observables with their units, regime, and details for the reader.
 ///
 /// An observable that the apparatus does not have is left out: a bench test gives its own values alone. So is what no frame
-/// shows: a bed without a measurable surface has no angle, and the details say why; what the places of its seeds tell stays.
+/// shows: a bed without a measurable surface has no angle, and the details say why; what the places of its seeds show stays.
 ///
 /// # Errors
 ///

@@ -34,7 +34,7 @@ pub struct SurfaceReadings {
     pub toe: Vec<f64>,
     /// Its top.
     pub top: Vec<f64>,
-    /// Speed of the surface by pairs of pictures, m/s; of the frames that tell it.
+    /// Speed of the surface by pairs of pictures, m/s; of the frames that show it.
     pub surface_speed: Vec<f64>,
     /// Correlation time of the angle by the picture, s; `None` if the frames do not show it.
     pub correlation_time: Option<CorrelationTime>,
@@ -82,7 +82,7 @@ impl SurfaceReadings {
         }
     }
 
-    /// Means over the frames, the scatter of the angle between them, and what it tells of time; what no frame shows is left out.
+    /// Means over the frames, the scatter of the angle between them and its correlation time; what no frame shows is left out.
     pub fn observables(&self) -> BTreeMap<String, Observation> {
         let memory: Vec<f64> = self.correlation_time.iter().map(|c| c.time).collect();
         let (sizes, waits) = match &self.avalanches {

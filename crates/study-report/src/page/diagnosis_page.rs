@@ -135,7 +135,7 @@ fn known_truth(report: &mut Report, rows: &[TrialRow]) -> Result<(), Error> {
     report.table(&table);
     report.paragraph(
         "An effect that the library does not hold may be named by one that it holds, where that one leaves \
-         less of it than 4: these data cannot tell such twins apart.",
+         less of it than 4: these data cannot distinguish such twins.",
     );
     Ok(())
 }

@@ -24,7 +24,7 @@ fn the_page_is_whole_and_the_same_input_gives_the_same_bytes() {
 }
 
 /// A heap of which no angle is read beside the drum: dashes, neither zeros nor a number, under its own name. An observable of
-/// which no rows tell alone has no table for it.
+/// that no rows show alone has no table for it.
 #[test]
 fn what_a_condition_does_not_show_is_a_dash() {
     let mut study = twins();

@@ -18,7 +18,7 @@ pub(crate) struct PhotoOptions {
     definition: Option<Definition>,
     /// Angle of the true horizontal in the pictures, counter-clockwise positive.
     roll: Option<Angle>,
-    /// Two places on a plumb line, or of one height, px, which tell the same angle.
+    /// Two places on a plumb line, or of one height, px, which give the same angle.
     #[serde(deserialize_with = "places")]
     plumb_line: Option<[[f64; 2]; 2]>,
     #[serde(deserialize_with = "places")]

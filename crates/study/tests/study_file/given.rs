@@ -153,7 +153,7 @@ fn one_photo_gives_the_angle_with_the_error_of_its_reading() {
     assert_eq!(
         values,
         ["angle_deg"],
-        "one photo tells no error of the shape"
+        "one photo shows no error of the shape"
     );
     assert!(
         study.photos[0]

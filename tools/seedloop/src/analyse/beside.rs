@@ -1,4 +1,4 @@
-//! What an analysis tells beside the tables of the fit, in words.
+//! Results of an analysis beside the tables of the fit, in words.
 
 use std::fmt::Write as _;
 
@@ -219,7 +219,7 @@ fn interactions(text: &mut String, report: &Report<'_>) {
         let rivals = if step.rivals.is_empty() {
             "no other does as well".to_owned()
         } else {
-            format!("cannot be told from {}", step.rivals.join(", "))
+            format!("cannot be distinguished from {}", step.rivals.join(", "))
         };
         let ([before, after], coef) = (step.aicc, significant(step.coef, 5));
         let _ = writeln!(

@@ -1,4 +1,4 @@
-//! What an analysis tells beside the fit: ridge paths, the rival surface, regimes.
+//! Results of an analysis beside the fit: ridge paths, the rival surface, regimes.
 
 use anyhow::ensure;
 use experiment_design::Factor;

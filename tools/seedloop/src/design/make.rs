@@ -291,7 +291,7 @@ pub(super) fn analysis(
     Ok((fit, scale.transform))
 }
 
-/// What an analysis tells about the scale of its response.
+/// The scale of the response of an analysis.
 #[derive(Deserialize)]
 struct Fitted {
     /// The function of the response that was fitted; missing in analyses of older versions.

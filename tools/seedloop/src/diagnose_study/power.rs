@@ -1,4 +1,4 @@
-//! What a study can be expected to tell, before any run.
+//! What a study can be expected to detect, before any run.
 
 use anyhow::Context as _;
 use inference::diagnosis::{Power, Problem, ProblemFile, Truth, trials, usual_truths};
@@ -31,7 +31,7 @@ pub(super) fn text(
         return Ok(String::new());
     };
     let mut out = format!(
-        "what {} values, {} parameters and {} effects can tell of a hidden effect, % of drawn campaigns",
+        "what {} values, {} parameters and {} effects show of a hidden effect, % of drawn campaigns",
         table.values, table.parameters, table.effects
     );
     let known = of_folder(folder, &table, seed, threads)?;

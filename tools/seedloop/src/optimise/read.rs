@@ -25,7 +25,7 @@ pub(super) struct Read {
     pub(super) warnings: Vec<String>,
 }
 
-/// What an analysis tells about factors with named levels.
+/// Factors with named levels of an analysis.
 #[derive(Debug, Deserialize)]
 struct Named {
     /// The factors; missing in analyses of older versions.

@@ -16,7 +16,7 @@ fn design(speeds: usize, observables: usize, effects: usize) -> PowerDesign {
     }
 }
 
-/// What no value tells is never seen: as many values as parameters, or no effect.
+/// An effect that no value shows is never seen: as many values as parameters, or no effect.
 #[test]
 fn a_design_without_degrees_of_freedom_sees_nothing() {
     for design in [design(2, 1, 3), design(5, 1, 0)] {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// Restitutions that it takes lie above this.
 const LEAST_RESTITUTION: f64 = 0.05;
-/// Young's modulus below which it wants to be told that particles are soft, Pa.
+/// Young's modulus below which LIGGGHTS wants `soft_particles`, Pa.
 const SOFT: f64 = 5e6;
 
 /// The contact laws in the words of LIGGGHTS.
@@ -20,7 +20,7 @@ pub(super) struct Law {
     pub(super) model: String,
     /// Its settings, behind the shape.
     pub(super) settings: String,
-    /// Whether a material is softer than it takes without being told.
+    /// Whether a material is softer than LIGGGHTS takes without `soft_particles`.
     pub(super) is_soft: bool,
 }
 

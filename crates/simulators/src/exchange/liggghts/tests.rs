@@ -13,7 +13,7 @@ fn drum() -> Scene {
     Scene::read(&file, &[]).unwrap()
 }
 
-/// What it stops at when it reads a deck is refused here, or told to it: soft seeds, and restitutions of 0.05 or less. These
+/// What it stops at when it reads a deck is refused or declared in the deck: soft seeds, and restitutions of 0.05 or less. These
 /// spheres have the mass of their body.
 #[test]
 fn what_it_would_stop_at_is_refused_or_told() {
