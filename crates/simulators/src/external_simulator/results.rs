@@ -138,7 +138,7 @@ mod tests {
             (r#"{"angle_deg": "31"}"#, "angle_deg = \"31\""),
             (r#"{"angle_deg": {"mean": 3, "sd": -1}}"#, "angle_deg"),
             (r#"{"angle_deg": {"mean": 3, "se": 1}}"#, "angle_deg"),
-            (r#"{"angle_deg": 3"#, "no JSON"),
+            (r#"{"angle_deg": 3"#, "line 1 column 15"),
             ("[3]", "one table"),
         ] {
             let error = told(text).unwrap_err();
