@@ -38,6 +38,10 @@ case ${1:-} in
         debian liggghts && lammps && build -p seedloop && build -p simulators --example read_positions
         python3 trials/other_code/run.py "${2:-out/other-code}" "$programs/seedloop" "$programs/examples/read_positions" "${@:3}"
         ;;
+    passport)
+        debian liggghts && debian yade && lammps && build -p seedloop
+        python3 trials/passport.py "${2:-out/passport}" "$programs/seedloop"
+        ;;
     yade) debian yade && cargo run --release --locked -p seedloop -- calibrate fixtures/yade-example/study.toml --resume ;;
     *) sed -n 's/^    \([a-z-]*\)).*/\1/p' "$0" >&2; exit 2 ;;
 esac

@@ -12,6 +12,7 @@ mod export;
 mod init;
 mod levels;
 mod optimise;
+mod passport;
 mod run;
 mod run_flags;
 mod running;
@@ -67,6 +68,8 @@ enum Command {
     BenchTest(bench_test::Arguments),
     /// Writes a scene as a deck for LAMMPS or LIGGGHTS, a table for EDEM, or its frames for `ParaView`
     Export(export::Arguments),
+    /// Writes parameters with their conventions and a self-test for other codes; or checks what another code gave
+    Passport(passport::Arguments),
     /// Checks the solver against mechanics and prints the table
     Verify(verify::Arguments),
 }
@@ -84,6 +87,7 @@ fn main() -> ExitCode {
         Command::Diagnose(arguments) => diagnose::run(arguments),
         Command::BenchTest(arguments) => bench_test::run(arguments),
         Command::Export(arguments) => export::run(arguments),
+        Command::Passport(arguments) => passport::run(arguments),
         Command::Verify(arguments) => verify::run(arguments),
     })
 }

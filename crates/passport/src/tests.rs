@@ -1,0 +1,360 @@
+//! The reference integrator beside the solver, the expected numbers beside closed forms, and each convention read in another way.
+
+use crate::case::cases;
+use crate::check::{check, restitution_of};
+use crate::convention::{CONVENTIONS, concerns};
+use crate::expected::{Expected, of_small_cases, shift};
+use crate::folder::{Passport, Validity, files, read_passport};
+use crate::model::{Contact, Model};
+use crate::results::{read_results, template};
+use crate::variant::Variant;
+use crate::{Error, Packing, reference, solver};
+use contact_law::hertz_mindlin::damping_ratio;
+use contact_law::{Material, NormalForceEnd, RollingLever};
+use dem_solver::DashpotMass;
+use inference::diagnosis::Verdict;
+use scene::RollingLaw;
+
+/// Soft beads, as clumps of two, on a stiffer wall, without cohesion.
+fn beads() -> Model {
+    let contact = |restitution, static_friction, rolling_friction| Contact {
+        restitution,
+        static_friction,
+        rolling_friction,
+        attraction_n: 0.0,
+        cohesion_energy_density_j_m3: 0.0,
+    };
+    Model {
+        grain: "bead".into(),
+        wall: "wall".into(),
+        radius_m: 2e-3,
+        density_kg_m3: 1500.0,
+        clumps: true,
+        materials: [
+            Material::new(0.25, 4e6).unwrap(),
+            Material::new(0.3, 1e9).unwrap(),
+        ],
+        contacts: [contact(0.5, 0.3, 0.12), contact(0.6, 0.45, 0.08)],
+        dashpot_mass: DashpotMass::Sphere,
+        normal_force_end: NormalForceEnd::Clipped,
+        rolling_law: RollingLaw::ConstantTorque,
+        rolling_lever: RollingLever::Sphere,
+        gravity_m_s2: 9.81,
+    }
+}
+
+/// The same with every convention the other way, and with cohesion.
+fn other_beads() -> Model {
+    let mut model = beads();
+    model.contacts[0].cohesion_energy_density_j_m3 = 3e4;
+    Model {
+        dashpot_mass: DashpotMass::Body,
+        normal_force_end: NormalForceEnd::Attractive,
+        rolling_law: RollingLaw::SpringDashpot,
+        rolling_lever: RollingLever::Centre,
+        ..model
+    }
+}
+
+/// What a code gives that reads these conventions in another way, with these factors.
+fn read_in_another_way(model: &Model, rows: &[Expected], changes: &[(&str, f64)]) -> Vec<f64> {
+    let own = Variant::nominal(model);
+    let mut variant = own.clone();
+    for (name, factor) in changes {
+        let convention = CONVENTIONS.iter().find(|c| c.name == *name).unwrap();
+        convention.apply(&mut variant, *factor);
+    }
+    let shifts = cases(model).into_iter().flat_map(|case| {
+        let nominal = reference::run(&case, &own);
+        shift(&case, &nominal, &variant)
+    });
+    rows.iter()
+        .zip(shifts)
+        .map(|(row, by)| row.value + by)
+        .collect()
+}
+
+/// Two implementations of the laws, of the contacts and of the motion give the same numbers with the same step: to a
+/// thousandth of the band, 3e-6 of the speed of a case. They differ by rounding, and for clumps by the scheme of rotation, which is of
+/// second order in both.
+#[test]
+fn the_reference_integrator_and_the_solver_agree() {
+    for model in [beads(), other_beads()] {
+        let rows = of_small_cases(&model).unwrap();
+        let all = cases(&model);
+        let own = Variant::nominal(&model);
+        let reference = all.iter().flat_map(|case| reference::run(case, &own));
+        let solver = all
+            .iter()
+            .flat_map(|case| solver::run(case, &model, 1.0).unwrap());
+        for ((row, a), b) in rows.iter().zip(reference).zip(solver) {
+            let apart = (a - b).abs() / row.band;
+            assert!(apart < 1e-3, "{} {}: {a} and {b}", row.case, row.quantity);
+        }
+    }
+}
+
+/// A rebound of e v with an attractive end, rolling friction 5/7 mu_r g, rolling down an incline with 5/7 g (sin - mu_r cos): within the
+/// band, for the arm is R - d/2 in the solver and the tangential spring has to load first.
+#[test]
+fn expected_numbers_are_those_of_closed_forms() {
+    let attractive = Model {
+        normal_force_end: NormalForceEnd::Attractive,
+        rolling_lever: RollingLever::Centre,
+        ..beads()
+    };
+    let mut found = 0;
+    for model in [beads(), attractive] {
+        for row in of_small_cases(&model).unwrap() {
+            let Some(closed_form) = row.closed_form else {
+                continue;
+            };
+            found += 1;
+            let apart = (row.value - closed_form).abs() / row.band;
+            assert!(
+                apart < 1.0,
+                "{} {}: {} for {closed_form}",
+                row.case,
+                row.quantity,
+                row.value
+            );
+        }
+    }
+    // Rolling twice, incline and clump in both models, the rebound in one.
+    assert_eq!(found, 9);
+}
+
+/// Each convention that the numbers can show is named alone, with its factor to 2 %; those that differ by less than the bands in these
+/// cases are reported as not shown.
+#[test]
+fn each_convention_that_is_read_in_another_way_is_named() {
+    let mut model = beads();
+    model.contacts[0].cohesion_energy_density_j_m3 = 3e4;
+    let rows = of_small_cases(&model).unwrap();
+    let values: Vec<f64> = rows.iter().map(|row| row.value).collect();
+    let own = check(&model, &rows, &values, &[]).unwrap();
+    assert!(
+        own.agrees && own.verdict == Verdict::None,
+        "{:?}",
+        own.differences
+    );
+    let mut named = 0;
+    for convention in CONVENTIONS.iter().filter(|c| concerns(c, &model)) {
+        let factors: &[f64] = if convention.is_factor() {
+            &[0.5, 2.0]
+        } else {
+            &[1.0]
+        };
+        for &factor in factors {
+            let got = read_in_another_way(&model, &rows, &[(convention.name, factor)]);
+            let checked = check(&model, &rows, &got, &[]).unwrap();
+            if checked.not_shown.iter().any(|name| name == convention.name) {
+                continue;
+            }
+            let found: Vec<&str> = checked
+                .differences
+                .iter()
+                .map(|d| d.convention.as_str())
+                .collect();
+            assert_eq!(
+                (checked.verdict, &found[..]),
+                (Verdict::Named, &[convention.name][..]),
+                "{factor}"
+            );
+            if let Some(fitted) = checked.differences[0].factor {
+                assert!(
+                    (fitted / factor - 1.0).abs() < 0.02,
+                    "{}: {fitted} for {factor}",
+                    convention.name
+                );
+            }
+            named += 1;
+        }
+    }
+    assert!(named >= 30, "only {named} are shown");
+}
+
+/// Half of the rolling torque: the coefficients to put in are twice those of the model, 0.12 and 0.08.
+#[test]
+fn the_advice_has_the_factor_and_the_values_to_put_in() {
+    let model = beads();
+    let rows = of_small_cases(&model).unwrap();
+    let got = read_in_another_way(&model, &rows, &[("rolling", 0.5)]);
+    let checked = check(&model, &rows, &got, &[]).unwrap();
+    let difference = &checked.differences[0];
+    assert!((difference.factor.unwrap() - 0.5).abs() < 0.01);
+    for value in ["0.500", "0.240", "0.160"] {
+        assert!(difference.advice.contains(value), "{}", difference.advice);
+    }
+}
+
+/// Two conventions at a time are named together; numbers that none explains, here spins of the wrong sign in one case, are unknown.
+#[test]
+fn two_conventions_are_named_together_and_others_are_unknown() {
+    let model = beads();
+    let rows = of_small_cases(&model).unwrap();
+    let got = read_in_another_way(
+        &model,
+        &rows,
+        &[("rolling-grains", 2.0), ("friction-wall", 0.7)],
+    );
+    let checked = check(&model, &rows, &got, &[]).unwrap();
+    let mut found: Vec<&str> = checked
+        .differences
+        .iter()
+        .map(|d| d.convention.as_str())
+        .collect();
+    found.sort_unstable();
+    assert_eq!(
+        (checked.verdict, &found[..]),
+        (Verdict::Named, &["friction-wall", "rolling-grains"][..])
+    );
+
+    let wrong = rows.iter().map(|row| match row.unit.as_str() {
+        "rad/s" if row.case == "wall-impact" => -row.value,
+        _ => row.value,
+    });
+    let checked = check(&model, &rows, &wrong.collect::<Vec<_>>(), &[]).unwrap();
+    assert_eq!(
+        checked.verdict,
+        Verdict::Unknown,
+        "{:?}",
+        checked.differences
+    );
+}
+
+/// A convention that belongs to the other code counts as no difference once it is accepted, and another one is still named.
+#[test]
+fn an_accepted_convention_is_no_difference() {
+    let model = beads();
+    let rows = of_small_cases(&model).unwrap();
+    let accepted = ["limit-moves-spring".to_owned()];
+    let own = read_in_another_way(&model, &rows, &[("limit-moves-spring", 1.0)]);
+    assert!(!check(&model, &rows, &own, &[]).unwrap().agrees);
+    assert!(check(&model, &rows, &own, &accepted).unwrap().agrees);
+    let got = read_in_another_way(
+        &model,
+        &rows,
+        &[("limit-moves-spring", 1.0), ("stiffness", 2.5)],
+    );
+    let checked = check(&model, &rows, &got, &accepted).unwrap();
+    assert_eq!(
+        (checked.verdict, &*checked.differences[0].convention),
+        (Verdict::Named, "stiffness")
+    );
+    let wrong = check(&model, &rows, &own, &["rolling".to_owned()]).unwrap_err();
+    assert!(matches!(wrong, Error::Accepted { name, .. } if name == "rolling"));
+}
+
+/// Rows of a small passport.
+fn few_rows() -> Vec<Expected> {
+    let row = |quantity: &str, unit: &str| Expected {
+        case: "rolling".into(),
+        quantity: quantity.into(),
+        unit: unit.into(),
+        value: 1.0,
+        band: 0.1,
+        closed_form: None,
+        varies: false,
+    };
+    vec![
+        row("velocity_x_at_t1", "m/s"),
+        row("displacement_x_at_t2", "m"),
+    ]
+}
+
+/// Each fault of a table of results names its line and what is wrong; blank lines, comments and the order of rows do not matter.
+#[test]
+fn faults_of_results_name_their_line() {
+    let rows = few_rows();
+    let read = |text: &str| read_results(text, "RESULTS.csv", &rows);
+    let good = "# mine\ncase,quantity,unit,value\n\nrolling,displacement_x_at_t2,m,2.5e-3\nrolling, velocity_x_at_t1, m/s, 1\n";
+    assert_eq!(read(good).unwrap(), [1.0, 2.5e-3]);
+    let head = "case,quantity,unit,value\n";
+    for (line, word) in [
+        ("rolled,velocity_x_at_t1,m/s,1", "'rolled'"),
+        ("rolling,velocity_z_at_t1,m/s,1", "'velocity_z_at_t1'"),
+        ("rolling,velocity_x_at_t1,mm/s,1", "'mm/s'"),
+        ("rolling,velocity_x_at_t1,m/s,NaN", "'NaN'"),
+        ("rolling,velocity_x_at_t1,m/s,fast", "'fast'"),
+        ("rolling,velocity_x_at_t1,m/s,", "no value"),
+        ("rolling,velocity_x_at_t1,m/s", "3 cells"),
+        (
+            "rolling,displacement_x_at_t2,m,1\nrolling,displacement_x_at_t2,m,1",
+            "line 2",
+        ),
+    ] {
+        let last = line.lines().count() + 1;
+        match read(&format!("{head}{line}\n")).unwrap_err() {
+            Error::Results { line, what, .. } => {
+                assert!(line == last && what.contains(word), "{line}: {what}")
+            }
+            other => panic!("{other}"),
+        }
+    }
+    assert!(matches!(
+        read("value\n1\n"),
+        Err(Error::Results { line: 1, .. })
+    ));
+    match read(&format!("{head}rolling,displacement_x_at_t2,m,1\n")).unwrap_err() {
+        Error::Missing { rows, .. } => assert_eq!(rows, "rolling velocity_x_at_t1"),
+        other => panic!("{other}"),
+    }
+    // The template has every row and no value.
+    assert!(matches!(
+        read(&template(&rows)),
+        Err(Error::Results { line: 2, .. })
+    ));
+}
+
+/// A passport is read as it was written; its tables have every body and sphere; numbers of another version are refused.
+#[test]
+fn a_passport_is_read_as_it_was_written() {
+    let model = beads();
+    let passport = Passport {
+        version: "1".into(),
+        model: model.clone(),
+        calibrated: Vec::new(),
+        correlation: Some(vec![vec![1.0]]),
+        validity: Validity::default(),
+        expected: few_rows(),
+    };
+    let files = files(&passport).unwrap();
+    let text = |name: &str| &files.iter().find(|file| file.name == name).unwrap().text;
+    assert_eq!(read_passport(text("passport.json")).unwrap(), passport);
+    let small: usize = cases(&model).iter().map(|case| case.bodies.len()).sum();
+    let packed: usize = Packing::ALL.iter().map(|p| p.starts(&model, 1).len()).sum();
+    assert_eq!(packed, 200 + 300);
+    assert_eq!(text("bodies.csv").lines().count(), 1 + small + packed);
+    // Two cases have one clump of two spheres.
+    assert_eq!(text("spheres.csv").lines().count(), 1 + small + packed + 2);
+    assert!(matches!(
+        check(&model, &few_rows(), &[1.0, 1.0], &[]),
+        Err(Error::OtherVersion)
+    ));
+    assert!(read_passport("{}").is_err());
+}
+
+/// The spheres of a packing do not overlap, and are inside its planes.
+#[test]
+fn packings_start_without_contacts() {
+    let model = beads();
+    for packing in Packing::ALL {
+        let centres = packing.starts(&model, 3);
+        for (i, a) in centres.iter().enumerate() {
+            let others = centres[..i].iter().map(|b| (a - b).norm());
+            assert!(others.fold(f64::INFINITY, f64::min) > 2.0 * model.radius_m);
+            for [point, normal] in packing.planes(&model) {
+                assert!((a - point).dot(&normal) > model.radius_m, "{a}");
+            }
+        }
+    }
+}
+
+#[test]
+fn restitution_is_the_inverse_of_the_damping_ratio() {
+    for restitution in [0.05, 0.5, 0.95] {
+        assert!((restitution_of(damping_ratio(restitution)) - restitution).abs() < 1e-12);
+    }
+    assert_eq!(restitution_of(1.2), 0.0);
+}
