@@ -5,7 +5,7 @@ use crate::variant::{History, SlidingLimit, Variant};
 use contact_law::hertz_mindlin::damping_ratio;
 use scene::RollingLaw;
 
-/// The factor that stands for nothing at all.
+/// The factor that represents nothing at all.
 pub(crate) const NOTHING: f64 = 0.01;
 
 /// Which value of the parameter file a factor acts on.
@@ -286,7 +286,7 @@ pub(crate) const CONVENTIONS: [Convention; 26] = [
     ),
     switch(
         "limit-of-sum",
-        "the limit of sliding holds for the sum, and the spring goes on stretching",
+        "the limit of sliding holds for the sum, and the spring continues to stretch",
         "nothing to put in: choose a law that shortens the spring at the limit",
         |v| v.limit = SlidingLimit::Sum,
     ),

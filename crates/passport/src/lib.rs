@@ -60,7 +60,7 @@ pub enum Error {
         file: String,
         /// The line, from 1.
         line: usize,
-        /// What is wrong, and what to write.
+        /// Fault, and the text to write instead.
         what: String,
     },
     /// Rows of the results are missing.
@@ -72,7 +72,7 @@ pub enum Error {
         rows: String,
     },
     /// A convention that cannot be accepted.
-    #[error("'{name}' is no convention that can be accepted; expected one of {known}")]
+    #[error("'{name}' cannot be accepted; expected one of {known}")]
     Accepted {
         /// Its name.
         name: String,
@@ -85,7 +85,7 @@ pub enum Error {
     )]
     OtherVersion,
     /// A passport that cannot be written or read.
-    #[error("this is no passport of this version: {0}; write it again with `seedloop passport`")]
+    #[error("this is not a passport of this version: {0}; write it again with `seedloop passport`")]
     Json(String),
     /// The scene.
     #[error(transparent)]

@@ -263,7 +263,7 @@ fn few_rows() -> Vec<Expected> {
     ]
 }
 
-/// Each fault of a table of results names its line and what is wrong; blank lines, comments and the order of rows do not matter.
+/// Each fault of a table of results names its line and the fault; blank lines, comments and the order of rows do not matter.
 #[test]
 fn faults_of_results_name_their_line() {
     let rows = few_rows();

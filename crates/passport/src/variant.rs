@@ -25,7 +25,7 @@ pub(crate) enum SlidingLimit {
     SpringThenSum,
     /// The spring; the dashpot acts only while the spring is below its limit, and may exceed it.
     Spring,
-    /// The sum; the spring goes on stretching.
+    /// The sum; the spring continues to stretch.
     Sum,
     /// The sum; the spring takes up what the limit cuts from the dashpot, and may point backwards.
     SumMovesSpring,
