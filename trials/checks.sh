@@ -16,6 +16,7 @@ case ${1:-} in
     name-campaigns) ignored inference rates_of_ --lib ;;
     next-measurements) ignored inference table_of_next --test diagnosis ;;
     null-campaigns) ignored inference without_a_hidden_effect --lib ;;
+    passport) ignored passport convention --lib ;;
     two-rulers) ignored scene two_rulers --test suite ;;
     *) sed -n 's/^    \([a-z-]*\)) ignored.*/\1/p' "$0" >&2; exit 2 ;;
 esac

@@ -20,6 +20,7 @@ use inference::diagnosis::{
 };
 use input::quantity::significant;
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// Draws of the null distribution of the largest score.
@@ -348,18 +349,19 @@ impl<'a> Bench<'a> {
 
     /// Each combination with one more convention, fitted.
     fn larger(&self, fits: &[Fitted], library: &[usize]) -> Vec<Fitted> {
-        let mut found: Vec<Fitted> = Vec::new();
+        let mut sets: Vec<(Vec<usize>, &[f64])> = Vec::new();
         for fit in fits {
             for &k in library.iter().filter(|k| !fit.conventions.contains(k)) {
                 let mut set = fit.conventions.clone();
                 set.push(k);
-                let same = |other: &Fitted| set.iter().all(|k| other.conventions.contains(k));
-                if !found.iter().any(same) {
-                    found.push(self.fit(&set, &fit.logs));
+                let same = |other: &Vec<usize>| set.iter().all(|k| other.contains(k));
+                if !sets.iter().any(|(other, _)| same(other)) {
+                    sets.push((set, &fit.logs));
                 }
             }
         }
-        found
+        let fits = sets.par_iter();
+        fits.map(|(set, before)| self.fit(set, before)).collect()
     }
 
     /// Fits the factors of conventions that are read in other ways together, from the factors of all but the last; that of the last

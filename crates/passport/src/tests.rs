@@ -124,10 +124,8 @@ fn expected_numbers_are_those_of_closed_forms() {
     assert_eq!(found, 9);
 }
 
-/// Each convention that the numbers can show is named alone, with its factor to 2 %; those that differ by less than the bands in these
-/// cases are reported as not shown.
-#[test]
-fn each_convention_that_is_read_in_another_way_is_named() {
+/// Names the convention that beads show if these are read in another way by these factors, and compares both.
+fn names_each(wanted: impl Fn(&str) -> bool, factors: &[f64]) -> usize {
     let mut model = beads();
     model.contacts[0].cohesion_energy_density_j_m3 = 3e4;
     let rows = of_small_cases(&model).unwrap();
@@ -139,9 +137,10 @@ fn each_convention_that_is_read_in_another_way_is_named() {
         own.differences
     );
     let mut named = 0;
-    for convention in CONVENTIONS.iter().filter(|c| concerns(c, &model)) {
-        let factors: &[f64] = if convention.is_factor() {
-            &[0.5, 2.0]
+    let concerned = CONVENTIONS.iter().filter(|c| concerns(c, &model));
+    for convention in concerned.filter(|c| wanted(c.name)) {
+        let factors = if convention.is_factor() {
+            factors
         } else {
             &[1.0]
         };
@@ -171,6 +170,21 @@ fn each_convention_that_is_read_in_another_way_is_named() {
             named += 1;
         }
     }
+    named
+}
+
+/// A factor at grains, one at the wall, and one of two ways are named alone, the factor to 2 %.
+#[test]
+fn conventions_that_are_read_in_another_way_are_named() {
+    let some = ["rolling-grains", "friction-wall", "history-as-force"];
+    assert_eq!(names_each(|name| some.contains(&name), &[2.0]), some.len());
+}
+
+/// The same of each convention, halved and doubled; those that differ by less than the bands in these cases are reported as not shown.
+#[test]
+#[ignore = "some minutes"]
+fn each_convention_that_is_read_in_another_way_is_named() {
+    let named = names_each(|_| true, &[0.5, 2.0]);
     assert!(named >= 30, "only {named} are shown");
 }
 
@@ -188,9 +202,9 @@ fn the_advice_has_the_factor_and_the_values_to_put_in() {
     }
 }
 
-/// Two conventions at a time are named together; numbers that none explains, here spins of the wrong sign in one case, are unknown.
+/// Two conventions at a time are named together.
 #[test]
-fn two_conventions_are_named_together_and_others_are_unknown() {
+fn two_conventions_are_named_together() {
     let model = beads();
     let rows = of_small_cases(&model).unwrap();
     let got = read_in_another_way(
@@ -209,7 +223,14 @@ fn two_conventions_are_named_together_and_others_are_unknown() {
         (checked.verdict, &found[..]),
         (Verdict::Named, &["friction-wall", "rolling-grains"][..])
     );
+}
 
+/// Numbers that no three conventions explain, here spins of the wrong sign in one case, are unknown.
+#[test]
+#[ignore = "a minute"]
+fn what_no_convention_explains_is_unknown() {
+    let model = beads();
+    let rows = of_small_cases(&model).unwrap();
     let wrong = rows.iter().map(|row| match row.unit.as_str() {
         "rad/s" if row.case == "wall-impact" => -row.value,
         _ => row.value,

@@ -15,9 +15,7 @@ const SOLID_FRACTION: f64 = 0.6;
 
 /// Writes parameters with their conventions and a self-test for other codes; or checks what another code gave
 #[derive(clap::Args, Debug)]
-#[command(
-    after_help = "Example:\n  seedloop passport out/cotton --scene drum.toml --out passport"
-)]
+#[command(after_help = "Example:\n  seedloop passport out/cotton --scene drum.toml --out passport")]
 pub(crate) struct Arguments {
     /// Folder of a calibration, its result.json, or a parameter file
     #[arg(
