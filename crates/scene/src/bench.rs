@@ -166,7 +166,7 @@ pub(crate) fn run_bench(
     library: &FillingLibrary,
     seed: u64,
 ) -> Result<Option<RunResult>, Error> {
-    let Some(test) = scene.apparatus.bench_test() else {
+    let Some(test) = scene.apparatus.device().bench_test() else {
         return Ok(None);
     };
     let mut watch = Stopwatch::start();
@@ -246,7 +246,7 @@ impl Scene {
     /// Seeds that cannot be made or are too many for the room, walls that cannot be read, a time step that
     /// does not resolve a contact.
     pub fn build_check(&self, library: &FillingLibrary) -> Result<(), Error> {
-        match self.apparatus.bench_test() {
+        match self.apparatus.device().bench_test() {
             Some(test) => BenchParts::new(self, library, test).map(|_| ()),
             // Where a factory makes the seeds, there is room when each comes, or the run says so.
             None => crate::build::build(self, library, 1).map(|_| ()),
@@ -272,7 +272,7 @@ impl Scene {
 
     /// Refuses what only a bed of seeds can be asked for.
     pub(crate) fn require_bed(&self) -> Result<(), Error> {
-        if self.apparatus.bench_test().is_none() {
+        if self.apparatus.device().bench_test().is_none() {
             return Ok(());
         }
         Err(Error::BadValue {

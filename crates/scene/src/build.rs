@@ -224,14 +224,14 @@ fn empty_drive(
     placements: &[Placement],
     time_step: f64,
 ) -> Result<World, Error> {
-    let walls = scene.apparatus.walls();
+    let walls = scene.apparatus.device().walls();
     let still = walls.iter().map(|w| Wall {
         name: w.name.into(),
         shape: w.shape,
         material: index_of(names, &w.material),
         spin: 0.0,
     });
-    let gravity = scene.apparatus.gravity(scene.model.gravity_m_s2);
+    let gravity = scene.apparatus.device().gravity(scene.model.gravity_m_s2);
     let settings = Settings::for_templates(time_step, gravity, &templates);
     let interactions = interactions(scene, bodies, names)?;
     Ok(World::new(

@@ -37,8 +37,8 @@ impl Scene {
         self.check_camera(&mut found);
         self.check_seeds(&mut found);
         found.extend(self.surroundings.check(&self.apparatus).err());
-        found.extend(self.apparatus.check().err());
-        if let Some(test) = self.apparatus.bench_test() {
+        found.extend(self.apparatus.device().check().err());
+        if let Some(test) = self.apparatus.device().bench_test() {
             self.check_bench(test, &mut found);
         }
         self.check_names(&mut found);
@@ -135,7 +135,7 @@ impl Scene {
             return;
         };
         let give = test.plate_give;
-        let kind = self.apparatus.bench_test();
+        let kind = self.apparatus.device().bench_test();
         let kind = kind.and_then(|test| self.tested_seed(test).ok());
         let of_seeds = kind.is_some_and(|kind| kind.material == test.plate);
         if !((0.0..=1.0).contains(&give) && (give == 0.0 || of_seeds)) {
@@ -225,7 +225,7 @@ impl Scene {
                 requirement,
             );
         }
-        if let Some(ramp) = self.apparatus.ramp() {
+        if let Some(ramp) = self.apparatus.device().ramp() {
             let holds = ramp < p.rotation_limit.si();
             let requirement = "below protocol.rotation_limit: only behind it the bed can be steady";
             require(holds, "apparatus.ramp", format!("{ramp} s"), requirement);
@@ -334,7 +334,7 @@ impl Scene {
     /// Materials of all seeds that take part.
     fn seed_materials(&self) -> Vec<&str> {
         let all = || self.seed.iter().map(|s| s.material.as_str());
-        match self.apparatus.bench_test() {
+        match self.apparatus.device().bench_test() {
             None => all().collect(),
             Some(test) => {
                 let tested = self.tested_seed(test).ok();
@@ -436,7 +436,7 @@ impl Scene {
                 ));
             }
         }
-        let walls = self.apparatus.mesh_walls().into_iter();
+        let walls = self.apparatus.device().mesh_walls().into_iter();
         let own: Vec<String> = walls.map(|wall| wall.name).collect();
         for (k, wall) in self.wall.iter().enumerate() {
             let twice = self.wall[..k].iter().any(|other| other.name == wall.name);

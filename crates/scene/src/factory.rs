@@ -88,7 +88,7 @@ impl Factory {
             .iter()
             .map(|body| Capsule::around(&body.clump))
             .collect();
-        let [low, high] = apparatus.room();
+        let [low, high] = apparatus.device().room();
         let low = Vector3::new(low.x, low.y + FLOOR * (high.y - low.y), low.z);
         let reach = capsules.iter().map(Capsule::reach).fold(0.0, f64::max);
         let mut placed: Vec<Placed> = (0..inside)

@@ -13,7 +13,7 @@ const OVERLAP: f64 = 0.5;
 /// Limits for a scene: the seeds stay in the apparatus, and none is faster than a fall across it and
 /// the walls together would make it, five times over.
 pub(crate) fn limits(scene: &Scene, bodies: &[Arc<SeedBody>]) -> HealthLimits {
-    let [low, high] = scene.apparatus.room();
+    let [low, high] = scene.apparatus.device().room();
     let (size, gravity) = ((high - low).norm(), scene.model.gravity_m_s2);
     let fall = (2.0 * gravity * size).sqrt();
     let length = bodies
@@ -21,9 +21,10 @@ pub(crate) fn limits(scene: &Scene, bodies: &[Arc<SeedBody>]) -> HealthLimits {
         .map(|b| b.clump.bounding_radius())
         .fold(0.0, f64::max);
     // On an open floor seeds may roll away; a drum or a device must hold them.
-    let open = match scene.apparatus {
-        Apparatus::Heap(_) | Apparatus::BoxCollapse(_) => 100.0 * size,
-        _ => length,
+    let open = if scene.apparatus.device().is_open() {
+        100.0 * size
+    } else {
+        length
     };
     HealthLimits {
         low: low - Vector3::repeat(open),
@@ -40,7 +41,7 @@ fn rim_speed(scene: &Scene) -> f64 {
 
 /// Greatest speed of the walls of meshes within the apparatus, m/s.
 fn mesh_speed(scene: &Scene) -> f64 {
-    let [low, high] = scene.apparatus.room();
+    let [low, high] = scene.apparatus.device().room();
     let meshes = scene.wall.iter();
     meshes
         .map(|w| w.fastest((high - low).norm()))
@@ -55,7 +56,7 @@ fn mesh_speed(scene: &Scene) -> f64 {
 /// was found in drums of 60 to 140 mm, in which twice [`hard_contact::SPEED`] is just not reached; and all of the speed of a
 /// mesh, which hits a seed that does not give way. In a drop h is its height. (docs/time-step.md)
 pub(crate) fn impact_speed(scene: &Scene) -> f64 {
-    let [low, high] = scene.apparatus.room();
+    let [low, high] = scene.apparatus.device().room();
     let height = match &scene.apparatus {
         Apparatus::Drop(test) => test.height.si(),
         _ => high.y - low.y,

@@ -104,7 +104,7 @@ impl Scene {
 
     /// The first wall from a mesh that is too fast somewhere in the apparatus.
     fn check_walls(&self) -> Option<Error> {
-        let [low, high] = self.apparatus.room();
+        let [low, high] = self.apparatus.device().room();
         let size = (high - low).norm();
         let mut walls = self.wall.iter();
         let wall = walls.find(|w| w.fastest(size) > MOST_WALL_SPEED)?;

@@ -191,7 +191,7 @@ pub(crate) fn start_drive(scene: &Scene, built: &mut Built) -> Result<(), Error>
         surroundings.start(built.world.time());
     }
     built.world.set_time_step(built.time_steps.flow)?;
-    for wall in scene.apparatus.walls() {
+    for wall in scene.apparatus.device().walls() {
         built.world.set_wall_spin(wall.name, wall.spin)?;
     }
     for mesh in &built.meshes {
@@ -203,7 +203,7 @@ pub(crate) fn start_drive(scene: &Scene, built: &mut Built) -> Result<(), Error>
 /// Runs until the seeds rest, or the limit is reached; a start slope is there when it ends.
 pub(crate) fn settle(running: &mut Running<'_>, keeper: &mut dyn Keeper) -> Result<(), Error> {
     let scene = running.scene;
-    let gravity = scene.apparatus.gravity(scene.model.gravity_m_s2);
+    let gravity = scene.apparatus.device().gravity(scene.model.gravity_m_s2);
     let slope = start_slope(scene, &running.built.bodies) * scene.apparatus.speed().signum();
     let turn = Rotation3::new(Vector3::z() * slope);
     running.built.world.set_gravity(turn * gravity)?;
@@ -220,7 +220,7 @@ fn wait_for_rest(running: &mut Running<'_>, keeper: &mut dyn Keeper) -> Result<(
     let made = made.map_or(0.0, Factory::duration);
     let limit = made + scene.protocol.settle_limit.si();
     // Free fall across the apparatus comes first: at the very start nothing moves.
-    let [low, high] = scene.apparatus.room();
+    let [low, high] = scene.apparatus.device().room();
     let fall = (2.0 * (high.y - low.y) / scene.model.gravity_m_s2).sqrt();
     loop {
         if let Some(factory) = &running.built.factory {
@@ -331,7 +331,10 @@ pub(crate) fn rotate(
             frames,
             ..
         } = running;
-        let share = scene.apparatus.share_of_speed(built.world.time() - start);
+        let share = scene
+            .apparatus
+            .device()
+            .share_of_speed(built.world.time() - start);
         if let Some(share) = share {
             set_share_of_speed(scene, built, share)?;
         }
@@ -394,10 +397,10 @@ fn steady_rule(scene: &Scene, swing: f64) -> SteadyRule {
 
 /// Turns everything that turns with the drive at a share of its speed.
 fn set_share_of_speed(scene: &Scene, built: &mut Built, share: f64) -> Result<(), Error> {
-    for wall in scene.apparatus.walls() {
+    for wall in scene.apparatus.device().walls() {
         built.world.set_wall_spin(wall.name, wall.spin * share)?;
     }
-    for mesh in scene.apparatus.mesh_walls() {
+    for mesh in scene.apparatus.device().mesh_walls() {
         let motion = Motion {
             spin: mesh.motion.spin * share,
             ..mesh.motion

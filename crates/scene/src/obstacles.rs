@@ -2,7 +2,7 @@
 
 use crate::apparatus::NamedMesh;
 use crate::check::bad;
-use crate::{Apparatus, Error, Scene, SeedSettings};
+use crate::{Error, Scene, SeedSettings};
 use dem_solver::{Motion, Vibration};
 use input::quantity::{AngularSpeed, Frequency, Length, Speed};
 use nalgebra::Vector3;
@@ -68,10 +68,10 @@ impl WallSettings {
     /// Refuses a wall that stays where no seed can be: all of it outside the ball about a drum or a device. From an open floor
     /// seeds roll away.
     fn check_place(&self, scene: &Scene, triangles: &[[Vector3<f64>; 3]]) -> Result<(), Error> {
-        if !matches!(scene.apparatus, Apparatus::Drum(_) | Apparatus::Metering(_)) {
+        if !scene.apparatus.is_turned() {
             return Ok(());
         }
-        let [low, high] = scene.apparatus.room();
+        let [low, high] = scene.apparatus.device().room();
         let (middle, radius) = (0.5 * (low + high), 0.5 * (high - low).norm());
         let distance =
             |corners| (geometry::triangle::nearest_on_triangle(&middle, corners) - middle).norm();
@@ -129,7 +129,7 @@ impl WallSettings {
 ///
 /// A mesh that is refused.
 pub(crate) fn mesh_walls(scene: &Scene) -> Result<Vec<NamedMesh>, Error> {
-    let mut walls = scene.apparatus.mesh_walls();
+    let mut walls = scene.apparatus.device().mesh_walls();
     for wall in &scene.wall {
         walls.push(wall.read(scene)?);
     }
@@ -139,7 +139,7 @@ pub(crate) fn mesh_walls(scene: &Scene) -> Result<Vec<NamedMesh>, Error> {
 impl Scene {
     /// Names of the materials of all walls.
     pub(crate) fn wall_materials(&self) -> Vec<&str> {
-        let mut names = self.apparatus.materials();
+        let mut names = self.apparatus.device().materials();
         names.extend(self.wall.iter().map(|w| w.material.as_str()));
         names
     }

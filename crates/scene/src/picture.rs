@@ -52,7 +52,7 @@ pub fn frame_picture(
 
 /// The walls of triangles at a time after the start of the drive, s; the cylinder or gate of a release has been lifted.
 fn walls_at(scene: &Scene, time: f64) -> Result<Vec<Corners>, Error> {
-    let own = scene.apparatus.mesh_walls().len();
+    let own = scene.apparatus.device().mesh_walls().len();
     let mut all = Vec::new();
     for (number, wall) in mesh_walls(scene)?.into_iter().enumerate() {
         let is_own = number < own;
@@ -77,7 +77,7 @@ fn turning_time(scene: &Scene, time: f64) -> f64 {
     let mut at = 0.0;
     while at < time {
         let step = SERIES_INTERVAL.min(time - at);
-        sum += step * scene.apparatus.share_of_speed(at).unwrap_or(1.0);
+        sum += step * scene.apparatus.device().share_of_speed(at).unwrap_or(1.0);
         at += SERIES_INTERVAL;
     }
     sum

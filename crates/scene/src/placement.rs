@@ -115,7 +115,7 @@ pub(crate) fn place(
     let largest = capsules.iter().fold(0.0_f64, |m, c| m.max(c.reach()));
     let thickest = capsules.iter().fold(0.0_f64, |m, c| m.max(c.radius));
     let count: usize = kinds.iter().map(|k| k.1).sum();
-    let [low, high] = room.apparatus.room();
+    let [low, high] = room.apparatus.device().room();
     let across = (high - low).max() / (2.0 * thickest);
     if across.is_nan() || across > MOST_ACROSS {
         return Err(Error::BadValue {
@@ -160,7 +160,7 @@ fn fill_grid(
     spacing: f64,
     stream: &mut Stream,
 ) -> Vec<Placement> {
-    let [low, high] = room.apparatus.room();
+    let [low, high] = room.apparatus.device().room();
     let thin = capsules
         .iter()
         .map(|c| c.radius)
@@ -185,7 +185,11 @@ fn fill_grid(
                     return result;
                 };
                 let capsule = capsules[kind];
-                if room.apparatus.is_out_of_reach(x, y, capsule.radius) {
+                if room
+                    .apparatus
+                    .device()
+                    .is_out_of_reach(x, y, capsule.radius)
+                {
                     continue;
                 }
                 let at = Vector3::new(x, y, z);
@@ -244,7 +248,7 @@ pub(crate) fn if_free(
 
 /// Whether a capsule is clear of all walls.
 fn is_inside(room: Room<'_>, body: &Placed) -> bool {
-    let has_room = |point: &Vector3<f64>| room.apparatus.has_room(point, body.radius);
+    let has_room = |point: &Vector3<f64>| room.apparatus.device().has_room(point, body.radius);
     // A ball has no ends.
     let ends_inside = || {
         let is_ball = body.half == Vector3::zeros();

@@ -19,7 +19,7 @@ impl Scene {
             ..self.clone()
         };
         // A wrong name must be told as it stands in the arguments.
-        if let Some(test) = scene.apparatus.bench_test() {
+        if let Some(test) = scene.apparatus.device().bench_test() {
             scene.tested_seed(test)?;
             scene.undefined(test.plate).map_or(Ok(()), Err)?;
             scene.wall.clear();
@@ -27,7 +27,7 @@ impl Scene {
             scene.model.bonds = None;
             scene.protocol.insertion_rate = None;
         }
-        if !matches!(scene.apparatus, Apparatus::Drum(_) | Apparatus::Metering(_)) {
+        if !scene.apparatus.is_turned() {
             scene.camera = CameraSettings::default();
             scene.protocol.start_slope = None;
         }
@@ -47,7 +47,7 @@ impl Scene {
         if scene.apparatus.is_bench_test() {
             scene.reduce_bench();
         }
-        if !matches!(scene.apparatus, Apparatus::Drum(_) | Apparatus::Metering(_)) {
+        if !scene.apparatus.is_turned() {
             scene.camera = CameraSettings::default();
         }
         scene.protocol.session = None;
@@ -80,7 +80,7 @@ impl Scene {
 
     /// Drops what a bench test does not look at.
     fn reduce_bench(&mut self) {
-        let test = self.apparatus.bench_test();
+        let test = self.apparatus.device().bench_test();
         let tested = test.and_then(|test| self.tested_seed(test).ok().cloned());
         let Some(mut tested) = tested else {
             return;
@@ -119,12 +119,12 @@ impl Scene {
     /// Names of all observables that a run can give; one that needs what does not happen (a surface, a
     /// period) may be missing.
     pub fn observables(&self) -> Vec<&'static str> {
-        let mut names = self.apparatus.observables().to_vec();
-        let is_turned = matches!(self.apparatus, Apparatus::Drum(_) | Apparatus::Metering(_));
+        let mut names = self.apparatus.device().observables().to_vec();
+        let is_turned = self.apparatus.is_turned();
         if self.model.bonds.is_some() && is_turned {
             names.push("broken_bonds");
         }
-        if self.apparatus.lower_cover().is_some() {
+        if self.apparatus.device().lower_cover().is_some() {
             names.push("cover_angle_deg");
         }
         if self.camera.pair_interval.is_some() && matches!(self.apparatus, Apparatus::Drum(_)) {

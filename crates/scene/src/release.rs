@@ -41,11 +41,7 @@ pub(crate) fn release(
     let start = running.drive_since.unwrap_or(0.0);
     let rest = rest_energy(scene, &running.built.world);
     // The wall must be out of the way before rest can mean anything.
-    let lifted = match &scene.apparatus {
-        Apparatus::Heap(heap) => heap.height.si() / heap.lift_speed.si(),
-        Apparatus::BoxCollapse(body) => body.height.si() / body.lift_speed.si(),
-        _ => 0.0,
-    };
+    let lifted = scene.apparatus.device().releases_after().unwrap_or(0.0);
     let limit = scene.protocol.rotation_limit.si();
     let mut rested = false;
     while !rested && running.built.world.time() - start < limit {

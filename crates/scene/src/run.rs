@@ -364,7 +364,7 @@ fn evidence(scene: &Scene, steady: &[SeriesPoint], readings: &[FrameReading]) ->
         steady,
         apparatus.froude_number(scene.model.gravity_m_s2),
         mean(shapes.map(|a| a.s_shape)),
-        |time| apparatus.speed() * apparatus.share_of_speed(time).unwrap_or(1.0),
+        |time| apparatus.speed() * apparatus.device().share_of_speed(time).unwrap_or(1.0),
     )
 }
 
@@ -427,7 +427,7 @@ fn cover_angles(
     bodies: &[Arc<SeedBody>],
     frames: &[Frame],
 ) -> Option<ObservableValues> {
-    let side = scene.apparatus.lower_cover()?;
+    let side = scene.apparatus.device().lower_cover()?;
     let cover = 0.5 * side * scene.apparatus.width();
     let drum = DrumCamera::of(scene).circle();
     let of_frame = |frame: &Frame| trace_at(cover, frame.spheres(bodies).map(|(_, s)| s), &drum);

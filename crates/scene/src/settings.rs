@@ -350,6 +350,7 @@ impl Scene {
         let stated = self.protocol.start_up.map(Time::si);
         let behind_ramp = self
             .apparatus
+            .device()
             .ramp()
             .map(|ramp| ramp + LEAST_START_UP * swing);
         stated.into_iter().chain(behind_ramp).reduce(f64::max)

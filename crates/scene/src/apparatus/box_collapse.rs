@@ -1,5 +1,6 @@
 //! A box whose gate is lifted, so that the seeds run out over the floor.
 
+use super::device::Device;
 use super::heap::{check_lift, check_size, floor};
 use super::{NamedMesh, NamedWall, cover};
 use crate::Error;
@@ -28,8 +29,52 @@ pub struct BoxCollapse {
 }
 
 impl BoxCollapse {
-    /// Floor, back and sides.
-    pub(crate) fn walls(&self) -> Vec<NamedWall> {
+    /// The gate, lifted when the drive runs.
+    fn gate_mesh(&self) -> NamedMesh {
+        let (x, height, half) = (self.length.si(), self.height.si(), 0.5 * self.width.si());
+        let at = |y: f64, z: f64| Vector3::new(x, y, z);
+        let [a, b, c, d] = [
+            at(0.0, -half),
+            at(0.0, half),
+            at(height, half),
+            at(height, -half),
+        ];
+        NamedMesh {
+            name: "gate".into(),
+            triangles: vec![[a, b, c], [a, c, d]],
+            material: self.wall.clone(),
+            motion: Motion {
+                velocity: Vector3::y() * self.lift_speed.si(),
+                ..Motion::default()
+            },
+        }
+    }
+}
+
+impl Device for BoxCollapse {
+    fn materials(&self) -> Vec<&str> {
+        vec![&self.floor, &self.wall]
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        check_size("apparatus.length", self.length)?;
+        check_size("apparatus.height", self.height)?;
+        check_size("apparatus.width", self.width)?;
+        check_lift("apparatus.lift_speed", self.lift_speed)
+    }
+
+    fn observables(&self) -> &'static [&'static str] {
+        &[
+            "angle_of_repose_deg",
+            "height_mm",
+            "runout_mm",
+            "length_mm",
+            "toe_angle_deg",
+            "top_angle_deg",
+        ]
+    }
+
+    fn walls(&self) -> Vec<NamedWall> {
         let half = 0.5 * self.width.si();
         let back = Shape::Plane {
             point: Vector3::zeros(),
@@ -49,43 +94,32 @@ impl BoxCollapse {
         ]
     }
 
-    /// The gate, lifted when the drive runs.
-    pub(crate) fn gate_mesh(&self) -> NamedMesh {
-        let (x, height, half) = (self.length.si(), self.height.si(), 0.5 * self.width.si());
-        let at = |y: f64, z: f64| Vector3::new(x, y, z);
-        let [a, b, c, d] = [
-            at(0.0, -half),
-            at(0.0, half),
-            at(height, half),
-            at(height, -half),
-        ];
-        NamedMesh {
-            name: "gate".into(),
-            triangles: vec![[a, b, c], [a, c, d]],
-            material: self.wall.clone(),
-            motion: Motion {
-                velocity: Vector3::y() * self.lift_speed.si(),
-                ..Motion::default()
-            },
-        }
+    fn mesh_walls(&self) -> Vec<NamedMesh> {
+        vec![self.gate_mesh()]
     }
 
-    /// Refuses what is invalid.
-    pub(crate) fn check(&self) -> Result<(), Error> {
-        check_size("apparatus.length", self.length)?;
-        check_size("apparatus.height", self.height)?;
-        check_size("apparatus.width", self.width)?;
-        check_lift("apparatus.lift_speed", self.lift_speed)
+    fn radius(&self) -> f64 {
+        0.5 * self.length.si()
     }
 
-    /// Whether a ball is inside the box.
-    pub(crate) fn has_room(&self, centre: &Vector3<f64>, radius: f64) -> bool {
+    fn width(&self) -> f64 {
+        self.width.si()
+    }
+
+    fn bed_volume(&self) -> Option<f64> {
+        Some(self.length.si() * self.height.si() * self.width.si())
+    }
+
+    fn releases_after(&self) -> Option<f64> {
+        Some(self.height.si() / self.lift_speed.si())
+    }
+
+    fn has_room(&self, centre: &Vector3<f64>, radius: f64) -> bool {
         let [low, high] = self.room();
         (0..3).all(|k| centre[k] - radius > low[k] && centre[k] + radius < high[k])
     }
 
-    /// Region in which seeds may start, m.
-    pub(crate) fn room(&self) -> [Vector3<f64>; 2] {
+    fn room(&self) -> [Vector3<f64>; 2] {
         let half = 0.5 * self.width.si();
         [
             Vector3::new(0.0, 0.0, -half),

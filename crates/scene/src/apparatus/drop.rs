@@ -1,5 +1,8 @@
 //! A seed that falls on a plate and comes back: restitution.
 
+use super::BenchTest;
+use super::device::Device;
+use crate::Error;
 use input::quantity::Length;
 use serde::{Deserialize, Serialize};
 
@@ -28,9 +31,24 @@ fn repeats() -> usize {
     40
 }
 
-impl Drop {
-    /// Refuses what is invalid.
-    pub(crate) fn check(&self) -> Result<(), crate::Error> {
+impl Device for Drop {
+    fn materials(&self) -> Vec<&str> {
+        vec![&self.plate]
+    }
+
+    fn check(&self) -> Result<(), Error> {
         super::heap::check_size("apparatus.height", self.height)
+    }
+
+    fn observables(&self) -> &'static [&'static str] {
+        &["shown_restitution"]
+    }
+
+    fn bench_test(&self) -> Option<BenchTest<'_>> {
+        Some(BenchTest {
+            plate: &self.plate,
+            seed: self.seed.as_deref(),
+            repeats: self.repeats,
+        })
     }
 }

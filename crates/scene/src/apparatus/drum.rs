@@ -1,11 +1,60 @@
 //! Rotating drum between two covers.
 
-use super::{NamedWall, cover};
+use super::device::Device;
+use super::heap::check_size;
+use super::{NamedMesh, NamedWall, cover};
 use crate::Error;
-use dem_solver::Shape;
+use dem_solver::{Motion, Shape};
 use input::quantity::{Angle, AngularSpeed, Length, Time};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+
+/// Observables of a drum; the first 19 need no more than where the spheres lie from moment to moment.
+const DRUM_OBSERVABLES: [&str; 26] = [
+    "angle_deg",
+    "angle_by_position_deg",
+    "image_minus_position_deg",
+    "curvature",
+    "s_shape",
+    "shape_4",
+    "shape_5",
+    "fill_level",
+    "toe_position_deg",
+    "top_position_deg",
+    "fluctuation_deg",
+    "angle_correlation_time_s",
+    "avalanche_size_deg",
+    "avalanche_waiting_time_s",
+    "centre_of_mass_deg",
+    "centre_of_mass_fluctuation_deg",
+    "shell_slip",
+    "carried_share",
+    "waiting_time_s",
+    "airborne_share",
+    "kinetic_energy_mj",
+    "drive_power_mw",
+    "flowing_layer_depth_mm",
+    "surface_speed_mm_s",
+    "fill_level_by_position",
+    "avalanche_period_s",
+];
+
+/// Observables of a drum that pictures give whose times are not known.
+pub const OBSERVABLES_OF_PICTURES: [&str; 9] = [
+    "angle_deg",
+    "curvature",
+    "s_shape",
+    "shape_4",
+    "shape_5",
+    "fill_level",
+    "toe_position_deg",
+    "top_position_deg",
+    "fluctuation_deg",
+];
+
+/// Observables of a drum that the places of its spheres give, velocities unknown: without these there is no slip of seeds, and
+/// where the bed is never carried along no time of waiting.
+pub const OBSERVABLES_OF_A_BED: &[&str] = DRUM_OBSERVABLES.split_at(19).0;
 
 /// A shell and two covers that turn together where nothing else is said; in the study about a level axis at one speed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -112,9 +161,18 @@ impl Drum {
         };
         (0..lifters.count).flat_map(plate).collect()
     }
+}
 
-    /// Refuses what is invalid.
-    pub(crate) fn check(&self) -> Result<(), Error> {
+impl Device for Drum {
+    fn materials(&self) -> Vec<&str> {
+        let lifters = self.lifters.iter().map(|l| l.material.as_str());
+        [self.shell.as_str(), &self.cover]
+            .into_iter()
+            .chain(lifters)
+            .collect()
+    }
+
+    fn check(&self) -> Result<(), Error> {
         let bad = |name: &str, value: String, requirement: &str| {
             Err(Error::BadValue {
                 name: name.into(),
@@ -170,11 +228,14 @@ impl Drum {
                 );
             }
         }
-        Ok(())
+        check_turned(self.inner_diameter, self.width)
     }
 
-    /// Shell and covers.
-    pub(crate) fn walls(&self) -> Vec<NamedWall> {
+    fn observables(&self) -> &'static [&'static str] {
+        &DRUM_OBSERVABLES
+    }
+
+    fn walls(&self) -> Vec<NamedWall> {
         let (half, spin) = (0.5 * self.width.si(), self.speed.si());
         let radius = 0.5 * self.inner_diameter.si();
         let of_covers = if self.covers_at_rest { 0.0 } else { spin };
@@ -190,6 +251,88 @@ impl Drum {
             wall("back cover", cover(-half), &self.cover, of_covers),
         ]
     }
+
+    fn mesh_walls(&self) -> Vec<NamedMesh> {
+        let lifters = self.lifters.iter().map(|lifters| NamedMesh {
+            name: "lifters".into(),
+            triangles: self.lifter_triangles(),
+            material: lifters.material.clone(),
+            motion: Motion {
+                spin: Vector3::z() * self.speed.si(),
+                ..Motion::default()
+            },
+        });
+        lifters.collect()
+    }
+
+    fn room(&self) -> [Vector3<f64>; 2] {
+        turned_room(self.radius(), self.width())
+    }
+
+    fn has_room(&self, centre: &Vector3<f64>, radius: f64) -> bool {
+        is_inside(centre, radius, self.radius(), self.width())
+    }
+
+    fn is_out_of_reach(&self, x: f64, y: f64, radius: f64) -> bool {
+        x.hypot(y) + radius >= self.radius()
+    }
+
+    fn radius(&self) -> f64 {
+        0.5 * self.inner_diameter.si()
+    }
+
+    fn width(&self) -> f64 {
+        self.width.si()
+    }
+
+    fn bed_volume(&self) -> Option<f64> {
+        Some(std::f64::consts::PI * self.radius().powi(2) * self.width())
+    }
+
+    fn gravity(&self, size: f64) -> Vector3<f64> {
+        match self.tilt {
+            Some(tilt) => Vector3::new(0.0, -tilt.si().cos(), tilt.si().sin()) * size,
+            None => Vector3::new(0.0, -size, 0.0),
+        }
+    }
+
+    fn speed(&self) -> Option<AngularSpeed> {
+        Some(self.speed)
+    }
+
+    fn set_speed(&mut self, speed: AngularSpeed) {
+        self.speed = speed;
+    }
+
+    fn ramp(&self) -> Option<f64> {
+        self.ramp.map(Time::si)
+    }
+
+    fn share_of_speed(&self, time: f64) -> Option<f64> {
+        self.has_schedule().then(|| self.share_of_speed(time))
+    }
+
+    fn lower_cover(&self) -> Option<f64> {
+        let slope = self.tilt?.si().sin();
+        (slope != 0.0).then(|| slope.signum())
+    }
+}
+
+/// Refuses sizes that no drum or device has.
+pub(super) fn check_turned(inner_diameter: Length, width: Length) -> Result<(), Error> {
+    check_size("apparatus.inner_diameter", inner_diameter)?;
+    check_size("apparatus.width", width)
+}
+
+/// Region in which seeds may start in a drum of a radius and a width, m.
+pub(super) fn turned_room(radius: f64, width: f64) -> [Vector3<f64>; 2] {
+    let corner = Vector3::new(radius, radius, 0.5 * width);
+    [-corner, corner]
+}
+
+/// Whether a ball is inside a drum of an inner radius and a width, m.
+pub(super) fn is_inside(centre: &Vector3<f64>, radius: f64, inner: f64, width: f64) -> bool {
+    centre.xy().norm() + radius < inner && centre.z.abs() + radius < 0.5 * width
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! A heap on a floor: seeds in a cylinder that is lifted.
 
+use super::device::Device;
 use super::{NamedMesh, NamedWall};
 use crate::Error;
 use dem_solver::{Motion, Shape};
@@ -27,13 +28,8 @@ pub struct Heap {
 }
 
 impl Heap {
-    /// The floor.
-    pub(crate) fn walls(&self) -> Vec<NamedWall> {
-        vec![floor(&self.floor)]
-    }
-
     /// The cylinder, lifted when the drive runs.
-    pub(crate) fn cylinder_mesh(&self) -> NamedMesh {
+    fn cylinder_mesh(&self) -> NamedMesh {
         let (radius, height) = (0.5 * self.inner_diameter.si(), self.height.si());
         let at = |k: usize, y: f64| {
             let angle = std::f64::consts::TAU * (k % SIDES) as f64 / SIDES as f64;
@@ -63,16 +59,48 @@ impl Heap {
             },
         }
     }
+}
 
-    /// Refuses what is invalid.
-    pub(crate) fn check(&self) -> Result<(), Error> {
+impl Device for Heap {
+    fn materials(&self) -> Vec<&str> {
+        vec![&self.floor, &self.cylinder]
+    }
+
+    fn check(&self) -> Result<(), Error> {
         check_size("apparatus.inner_diameter", self.inner_diameter)?;
         check_size("apparatus.height", self.height)?;
         check_lift("apparatus.lift_speed", self.lift_speed)
     }
 
-    /// Whether a ball is inside the cylinder.
-    pub(crate) fn has_room(&self, centre: &Vector3<f64>, radius: f64) -> bool {
+    fn observables(&self) -> &'static [&'static str] {
+        &["angle_of_repose_deg", "height_mm", "base_radius_mm"]
+    }
+
+    fn walls(&self) -> Vec<NamedWall> {
+        vec![floor(&self.floor)]
+    }
+
+    fn mesh_walls(&self) -> Vec<NamedMesh> {
+        vec![self.cylinder_mesh()]
+    }
+
+    fn radius(&self) -> f64 {
+        0.5 * self.inner_diameter.si()
+    }
+
+    fn width(&self) -> f64 {
+        self.inner_diameter.si()
+    }
+
+    fn bed_volume(&self) -> Option<f64> {
+        Some(std::f64::consts::PI * self.radius().powi(2) * self.height.si())
+    }
+
+    fn releases_after(&self) -> Option<f64> {
+        Some(self.height.si() / self.lift_speed.si())
+    }
+
+    fn has_room(&self, centre: &Vector3<f64>, radius: f64) -> bool {
         // The sides of the prism lie a little within the circle.
         let inner = 0.5 * self.inner_diameter.si() * (std::f64::consts::PI / SIDES as f64).cos();
         centre.x.hypot(centre.z) + radius < inner
@@ -80,8 +108,7 @@ impl Heap {
             && centre.y + radius < self.height.si()
     }
 
-    /// Region in which seeds may start, m.
-    pub(crate) fn room(&self) -> [Vector3<f64>; 2] {
+    fn room(&self) -> [Vector3<f64>; 2] {
         let radius = 0.5 * self.inner_diameter.si();
         [
             Vector3::new(-radius, 0.0, -radius),

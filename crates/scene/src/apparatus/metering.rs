@@ -4,6 +4,8 @@
 //! protection board stand still. The study gives no dimensions of its device; those of a scene
 //! are declared inputs.
 
+use super::device::Device;
+use super::drum::{check_turned, is_inside, turned_room};
 use super::{NamedWall, cover};
 use crate::Error;
 use dem_solver::Shape;
@@ -35,24 +37,6 @@ pub struct Metering {
 }
 
 impl Metering {
-    /// Rim, back, front and board.
-    pub(crate) fn walls(&self) -> Vec<NamedWall> {
-        let (half, spin) = (0.5 * self.width.si(), self.speed.si());
-        let radius = 0.5 * self.inner_diameter.si();
-        let wall = |name, shape, material: &String, spin| NamedWall {
-            name,
-            shape,
-            material: material.clone(),
-            spin,
-        };
-        vec![
-            wall("rim", Shape::Cylinder { radius }, &self.plate, spin),
-            wall("plate", cover(-half), &self.plate, spin),
-            wall("front shell", cover(half), &self.front, 0.0),
-            wall("board", self.board_shape(), &self.board, 0.0),
-        ]
-    }
-
     /// Direction from the axis to the lowest end of the board.
     fn outward(&self) -> Vector3<f64> {
         let angle = self.board_angle.si();
@@ -71,22 +55,9 @@ impl Metering {
         }
     }
 
-    /// Refuses a board that does not fit.
-    pub(crate) fn check(&self) -> Result<(), Error> {
-        let length = self.board_length.si();
-        if length > 0.0 && length < 0.5 * self.inner_diameter.si() {
-            return Ok(());
-        }
-        Err(Error::BadValue {
-            name: "apparatus.board_length".into(),
-            value: self.board_length.to_string(),
-            requirement: "above 0 and below the inner radius".into(),
-        })
-    }
-
     /// Whether a ball is clear of the board, on the side to which the plate carries the seeds: they
     /// are filled in there, and the board keeps them from the other side.
-    pub(crate) fn is_clear_of_board(&self, centre: &Vector3<f64>, radius: f64) -> bool {
+    fn is_clear_of_board(&self, centre: &Vector3<f64>, radius: f64) -> bool {
         let outward = self.outward();
         if outward.cross(centre).z <= 0.0 {
             return false;
@@ -119,6 +90,89 @@ impl Metering {
             end = angle;
         }
         end
+    }
+}
+
+impl Device for Metering {
+    fn materials(&self) -> Vec<&str> {
+        vec![&self.plate, &self.front, &self.board]
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        let length = self.board_length.si();
+        if length > 0.0 && length < 0.5 * self.inner_diameter.si() {
+            return check_turned(self.inner_diameter, self.width);
+        }
+        Err(Error::BadValue {
+            name: "apparatus.board_length".into(),
+            value: self.board_length.to_string(),
+            requirement: "above 0 and below the inner radius".into(),
+        })
+    }
+
+    fn observables(&self) -> &'static [&'static str] {
+        &[
+            "filling_angle_deg",
+            "filling_angle_by_position_deg",
+            "centre_of_mass_deg",
+            "centre_of_mass_fluctuation_deg",
+            "shell_slip",
+            "carried_share",
+            "waiting_time_s",
+            "airborne_share",
+            "kinetic_energy_mj",
+            "drive_power_mw",
+        ]
+    }
+
+    fn walls(&self) -> Vec<NamedWall> {
+        let (half, spin) = (0.5 * self.width.si(), self.speed.si());
+        let radius = 0.5 * self.inner_diameter.si();
+        let wall = |name, shape, material: &String, spin| NamedWall {
+            name,
+            shape,
+            material: material.clone(),
+            spin,
+        };
+        vec![
+            wall("rim", Shape::Cylinder { radius }, &self.plate, spin),
+            wall("plate", cover(-half), &self.plate, spin),
+            wall("front shell", cover(half), &self.front, 0.0),
+            wall("board", self.board_shape(), &self.board, 0.0),
+        ]
+    }
+
+    fn room(&self) -> [Vector3<f64>; 2] {
+        turned_room(self.radius(), self.width())
+    }
+
+    fn has_room(&self, centre: &Vector3<f64>, radius: f64) -> bool {
+        is_inside(centre, radius, self.radius(), self.width())
+            && self.is_clear_of_board(centre, radius)
+    }
+
+    fn is_out_of_reach(&self, x: f64, y: f64, radius: f64) -> bool {
+        x.hypot(y) + radius >= self.radius()
+    }
+
+    fn radius(&self) -> f64 {
+        0.5 * self.inner_diameter.si()
+    }
+
+    fn width(&self) -> f64 {
+        self.width.si()
+    }
+
+    fn bed_volume(&self) -> Option<f64> {
+        Some(std::f64::consts::PI * self.radius().powi(2) * self.width())
+    }
+
+    fn speed(&self) -> Option<AngularSpeed> {
+        Some(self.speed)
+    }
+
+    fn set_speed(&mut self, speed: AngularSpeed) {
+        self.speed = speed;
     }
 }
 

@@ -1,20 +1,9 @@
 //! An apparatus as it stands in a file.
 
-use super::Apparatus;
+use super::{Apparatus, KINDS};
 use serde::de::{DeserializeOwned, Error};
 use serde::{Deserialize, Deserializer};
 use toml::{Table, Value};
-
-/// Kinds by their names in a file.
-const KINDS: [&str; 7] = [
-    "drum",
-    "metering",
-    "heap",
-    "box-collapse",
-    "slider",
-    "drop",
-    "tilt",
-];
 
 // A derived reader of a tagged enum names neither the kind nor the key at which it fails.
 impl<'de> Deserialize<'de> for Apparatus {
@@ -31,15 +20,8 @@ impl<'de> Deserialize<'de> for Apparatus {
             }
             None => return Err(refused("kind is missing".to_owned())),
         };
-        let read = match kind.as_str() {
-            "drum" => settings(table).map(Self::Drum),
-            "metering" => settings(table).map(Self::Metering),
-            "heap" => settings(table).map(Self::Heap),
-            "box-collapse" => settings(table).map(Self::BoxCollapse),
-            "slider" => settings(table).map(Self::Slider),
-            "drop" => settings(table).map(Self::Drop),
-            "tilt" => settings(table).map(Self::Tilt),
-            _ => return Err(D::Error::unknown_variant(&kind, &KINDS)),
+        let Some(read) = Self::of_kind(&kind, table) else {
+            return Err(D::Error::unknown_variant(&kind, KINDS));
         };
         read.map_err(|error| {
             // "WHAT\nin `KEY`\n", or "WHAT\n" where no value is to blame.
@@ -57,6 +39,6 @@ impl<'de> Deserialize<'de> for Apparatus {
 }
 
 /// The settings of one kind.
-fn settings<T: DeserializeOwned>(table: Table) -> Result<T, toml::de::Error> {
+pub(super) fn settings<T: DeserializeOwned>(table: Table) -> Result<T, toml::de::Error> {
     T::deserialize(Value::Table(table))
 }

@@ -1,5 +1,8 @@
 //! A sled of glued seeds that is pulled over a plate: static friction.
 
+use super::BenchTest;
+use super::device::Device;
+use crate::Error;
 use serde::{Deserialize, Serialize};
 
 /// A sled of glued seeds that is pulled over a plate: static friction.
@@ -19,4 +22,26 @@ pub struct Slider {
 /// Number of pulls where the scene states none.
 fn repeats() -> usize {
     5
+}
+
+impl Device for Slider {
+    fn materials(&self) -> Vec<&str> {
+        vec![&self.plate]
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        Ok(())
+    }
+
+    fn observables(&self) -> &'static [&'static str] {
+        &["shown_static_friction"]
+    }
+
+    fn bench_test(&self) -> Option<BenchTest<'_>> {
+        Some(BenchTest {
+            plate: &self.plate,
+            seed: self.seed.as_deref(),
+            repeats: self.repeats,
+        })
+    }
 }

@@ -1,5 +1,8 @@
 //! A plate that is tilted until a seed on it starts to roll: rolling friction.
 
+use super::BenchTest;
+use super::device::Device;
+use crate::Error;
 use serde::{Deserialize, Serialize};
 
 /// A plate that is tilted until a seed on it starts to roll: rolling friction.
@@ -19,4 +22,26 @@ pub struct Tilt {
 /// Number of seeds where the scene states none.
 fn repeats() -> usize {
     20
+}
+
+impl Device for Tilt {
+    fn materials(&self) -> Vec<&str> {
+        vec![&self.plate]
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        Ok(())
+    }
+
+    fn observables(&self) -> &'static [&'static str] {
+        &["shown_rolling_friction", "slid_share", "held_share"]
+    }
+
+    fn bench_test(&self) -> Option<BenchTest<'_>> {
+        Some(BenchTest {
+            plate: &self.plate,
+            seed: self.seed.as_deref(),
+            repeats: self.repeats,
+        })
+    }
 }

@@ -169,7 +169,7 @@ mod tests {
                 value: give.to_string(),
             };
             let scene = Scene::from_text(TEXT, "ball.toml", &fixture("cotton"), &[give]).unwrap();
-            let test = scene.apparatus.bench_test().unwrap();
+            let test = scene.apparatus.device().bench_test().unwrap();
             let parts = BenchParts::new(&scene, &FillingLibrary::default(), test).unwrap();
             let reach = least_reach(&parts.body.outer);
             assert!((reach - 3e-3).abs() < 1e-12, "{reach}");

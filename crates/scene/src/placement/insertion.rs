@@ -98,7 +98,7 @@ pub(super) fn insert(
 
 /// Whether bodies would take more of the box about the apparatus than a gas does that can still be shaken.
 fn is_dense(room: Room<'_>, shapes: &[Shape<'_>], kinds: &[(&Clump, usize)]) -> bool {
-    let [low, high] = room.apparatus.room();
+    let [low, high] = room.apparatus.device().room();
     let volumes = shapes.iter().zip(kinds);
     let volumes = volumes.map(|(shape, kind)| shape.volume * kind.1 as f64);
     volumes.sum::<f64>() > DENSE * (high - low).product()
@@ -169,7 +169,7 @@ struct Inserted<'a> {
 impl Inserted<'_> {
     /// Adds a body of a kind, if one of the places that are drawn is free.
     fn add(&mut self, kind: usize, stream: &mut Stream) -> bool {
-        let [low, high] = self.room.apparatus.room();
+        let [low, high] = self.room.apparatus.device().room();
         let shape = &self.shapes[kind];
         let found = (0..MOST_PLACES).find_map(|_| {
             let centre = Vector3::from_fn(|axis, _| stream.between(low[axis], high[axis]));
