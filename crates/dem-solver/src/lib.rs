@@ -99,7 +99,7 @@ pub use health::HealthLimits;
 pub use interaction::{Interaction, InteractionSettings, OptionalLaws};
 pub use ledger::{EnergyLedger, EnergyTerms};
 pub use load::Load;
-pub use mesh_wall::{MeshWall, Motion, Vibration};
+pub use mesh_wall::{AxialLoad, MeshWall, Motion, Vibration};
 
 pub use phases::StepPhases;
 pub use settings::Settings;

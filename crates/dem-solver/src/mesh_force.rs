@@ -92,7 +92,7 @@ impl MeshWalls {
         motion: &Motion,
         time: f64,
     ) -> Result<(), Error> {
-        if !motion.is_finite() {
+        if !motion.is_valid() {
             let what = format!("motion of wall '{name}'");
             return Err(Error::NotFinite { what });
         }
@@ -106,6 +106,25 @@ impl MeshWalls {
         } else {
             Err(Error::NoWall { name: name.into() })
         }
+    }
+
+    /// Takes all walls of a name away, with their contacts.
+    pub(crate) fn remove(&mut self, name: &str) -> Result<(), Error> {
+        let named: Vec<bool> = self.moving.iter().map(|m| m.wall.name == name).collect();
+        if !named.contains(&true) {
+            return Err(Error::NoWall { name: name.into() });
+        }
+        self.near.retain(|near| !named[near.wall]);
+        for (moving, _) in self
+            .moving
+            .iter_mut()
+            .zip(&named)
+            .filter(|(_, named)| **named)
+        {
+            moving.set_motion(&Motion::default(), 0.0);
+            moving.remove();
+        }
+        Ok(())
     }
 
     /// Longest way of a wall since the last search, m.

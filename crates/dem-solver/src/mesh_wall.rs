@@ -1,7 +1,7 @@
 //! Walls of triangles, which may move as a rigid whole.
 //!
 //! A wall is a list of triangles with two faces. Its motion is prescribed: a velocity, a spin about
-//! a point that moves along, and a vibration. The forces of the bodies do not change it.
+//! a point that moves along, and a vibration. The forces of the bodies change it only along the axis of a load.
 
 use crate::error::Error;
 use geometry::triangle::nearest_on_triangle;
@@ -21,6 +21,46 @@ pub struct MeshWall {
     pub motion: Motion,
 }
 
+/// A force on a wall that is free to move along one axis, as on a piston.
+///
+/// # Formula
+///
+/// `m dv/dt = F + f - m v / T`, v at most the greatest speed: F is the load, f the force of the bodies, both along the axis.
+/// At rest f = -F, whatever m and T are. A wall on n contacts of a stiffness k needs no shorter step than a body of mass m/n
+/// on one of them: a mass of n bodies or more keeps the step of the bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct AxialLoad {
+    /// Unit vector of the axis.
+    pub axis: Vector3<f64>,
+    /// Load along the axis, N.
+    pub force: f64,
+    /// Mass of the wall, kg; its weight is not added.
+    pub mass: f64,
+    /// Time T in which the wall loses its speed, s.
+    pub damping_time: f64,
+    /// Greatest speed, m/s.
+    pub greatest_speed: f64,
+}
+
+impl AxialLoad {
+    /// Speed along the axis after a step (s) from a speed (m/s) under a force of the bodies (N).
+    fn speed_after(&self, time_step: f64, speed: f64, of_bodies: &Vector3<f64>) -> f64 {
+        let force = self.force + of_bodies.dot(&self.axis);
+        // The damping is taken at the end of the step: it is stable for any damping time.
+        let free = speed + force / self.mass * time_step;
+        let damped = free / (1.0 + time_step / self.damping_time);
+        damped.clamp(-self.greatest_speed, self.greatest_speed)
+    }
+
+    /// Whether it can move a wall.
+    fn is_valid(&self) -> bool {
+        let positive = [self.mass, self.damping_time, self.greatest_speed];
+        (self.axis.norm() - 1.0).abs() < 1e-9
+            && self.force.is_finite()
+            && positive.iter().all(|x| *x > 0.0 && x.is_finite())
+    }
+}
+
 /// Prescribed motion of a rigid wall.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Motion {
@@ -32,6 +72,9 @@ pub struct Motion {
     pub about: Vector3<f64>,
     /// Vibration on top of the motion.
     pub vibration: Option<Vibration>,
+    /// Load that changes the velocity along its axis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub load: Option<AxialLoad>,
 }
 
 /// A harmonic displacement `amplitude sin(angular_frequency t)` from where the wall stands, t from the moment
@@ -86,6 +129,9 @@ pub(crate) struct Path {
     force: Vector3<f64>,
     /// Torque of the last step about the centre of rotation, N m.
     torque: Vector3<f64>,
+    /// Whether the wall was taken away.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    removed: bool,
 }
 
 /// A wall on its way.
@@ -113,6 +159,8 @@ pub(crate) struct Moving {
     pub(crate) force: Vector3<f64>,
     /// Torque of the last step about the centre of rotation, N m.
     pub(crate) torque: Vector3<f64>,
+    /// Whether the wall was taken away: no body feels it any more.
+    removed: bool,
 }
 
 impl Moving {
@@ -132,8 +180,10 @@ impl Moving {
         if !wall.triangles.iter().flatten().all(finite) {
             return broken("every corner must be finite");
         }
-        if !motion.is_finite() {
-            return broken("its motion must be finite");
+        if !motion.is_valid() {
+            return broken(
+                "its motion must be finite; a load has a unit axis, a positive mass, damping time and greatest speed",
+            );
         }
         if wall.triangles.iter().any(|[a, b, c]| {
             let longest = (b - a).norm().max((c - a).norm());
@@ -162,6 +212,7 @@ impl Moving {
             travel: 0.0,
             force: Vector3::zeros(),
             torque: Vector3::zeros(),
+            removed: false,
             wall,
         })
     }
@@ -177,6 +228,7 @@ impl Moving {
             turn: self.turn,
             force: self.force,
             torque: self.torque,
+            removed: self.removed,
         }
     }
 
@@ -188,12 +240,26 @@ impl Moving {
         self.swing_velocity = path.swing_velocity;
         self.turn = path.turn;
         (self.force, self.torque) = (path.force, path.torque);
+        self.removed = path.removed;
+    }
+
+    /// Takes the wall away.
+    pub(crate) fn remove(&mut self) {
+        self.removed = true;
+    }
+
+    /// Displacement of the centre of rotation since the start, m.
+    pub(crate) fn displacement(&self) -> Vector3<f64> {
+        self.shift + self.swing
     }
 
     /// Changes velocity, spin and vibration at a time (s); the centre of rotation stays. Another vibration begins
     /// where the wall stands, and a wall whose vibration ends stays there.
     pub(crate) fn set_motion(&mut self, motion: &Motion, time: f64) {
         let now = &mut self.wall.motion;
+        if self.removed {
+            return;
+        }
         if now.vibration != motion.vibration {
             self.shift += std::mem::take(&mut self.swing);
             self.since = time;
@@ -207,7 +273,7 @@ impl Moving {
 
     /// Centre of rotation now, m.
     pub(crate) fn pivot(&self) -> Vector3<f64> {
-        self.wall.motion.about + self.shift + self.swing
+        self.wall.motion.about + self.displacement()
     }
 
     /// A point of the world in the frame in which the triangles were given.
@@ -233,6 +299,7 @@ impl Moving {
         distance: f64,
     ) -> impl Iterator<Item = u32> + 'a {
         let triangles = self.balls.iter().zip(&self.wall.triangles);
+        let triangles = triangles.take(if self.removed { 0 } else { usize::MAX });
         let is_near = move |ball: &Ball, corners: &[Vector3<f64>; 3]| {
             (ball.centre - own).norm() < ball.radius + distance
                 && (nearest_on_triangle(own, corners) - own).norm() < distance
@@ -245,7 +312,12 @@ impl Moving {
 
     /// Moves the wall by a step (s) that ends at a time (s).
     pub(crate) fn advance(&mut self, time_step: f64, time: f64) {
-        let motion = &self.wall.motion;
+        let motion = &mut self.wall.motion;
+        if let Some(load) = &motion.load {
+            let speed = motion.velocity.dot(&load.axis);
+            motion.velocity +=
+                load.axis * (load.speed_after(time_step, speed, &self.force) - speed);
+        }
         let before = self.swing;
         if let Some(vibration) = &motion.vibration {
             self.swing = vibration.displacement(time - self.since);
@@ -269,12 +341,13 @@ impl Motion {
         self.vibration.map_or_else(Vector3::zeros, velocity)
     }
 
-    /// Whether all numbers are finite.
-    pub(crate) fn is_finite(&self) -> bool {
+    /// Whether all numbers are finite, and those of a load positive.
+    pub(crate) fn is_valid(&self) -> bool {
         let vibration = self
             .vibration
             .map_or(0.0, |v| v.amplitude.sum() + v.angular_frequency);
-        (self.velocity.sum() + self.spin.sum() + self.about.sum() + vibration).is_finite()
+        let loaded = self.load.is_none_or(|load| load.is_valid());
+        loaded && (self.velocity.sum() + self.spin.sum() + self.about.sum() + vibration).is_finite()
     }
 }
 

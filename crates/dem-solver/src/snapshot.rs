@@ -77,6 +77,17 @@ impl Snapshot {
         }
     }
 
+    /// The same with the contacts of the bodies alone that have a new place; these are in the order of before.
+    pub(crate) fn without(mut self, places: &[Option<usize>]) -> Self {
+        let is_kept = |body: usize| places[body].is_some();
+        self.pairs.retain(|c| is_kept(c.body) && is_kept(c.other));
+        self.walls.retain(|c| is_kept(c.body));
+        self.meshes.retain(|c| is_kept(c.body));
+        // Contacts of bodies without a place are gone: what stands for it is never read.
+        let places: Vec<usize> = places.iter().map(|p| p.unwrap_or(0)).collect();
+        self.renumbered(&places)
+    }
+
     /// Refuses a snapshot of another world than that of these bodies, and so many walls and walls of triangles.
     pub(crate) fn check(
         &self,

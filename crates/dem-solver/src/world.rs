@@ -347,6 +347,17 @@ impl World {
         self.mesh_walls.set_motion(name, motion, self.time)
     }
 
+    /// Takes all walls of triangles called `name` away. They keep their place in [`Self::mesh_walls`] and feel nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoWall`].
+    pub fn remove_mesh_wall(&mut self, name: &str) -> Result<(), Error> {
+        self.mesh_walls.remove(name)?;
+        self.deal_liquid();
+        Ok(())
+    }
+
     /// Moves the world by one step.
     ///
     /// # Errors
@@ -508,6 +519,11 @@ impl World {
     /// centre of rotation.
     pub fn mesh_loads(&self) -> impl Iterator<Item = (Vector3<f64>, Vector3<f64>)> + '_ {
         self.mesh_walls.moving.iter().map(|m| (m.force, m.torque))
+    }
+
+    /// Displacement (m) of the centre of rotation of each wall of triangles since its start.
+    pub fn mesh_displacements(&self) -> impl Iterator<Item = Vector3<f64>> + '_ {
+        self.mesh_walls.moving.iter().map(Moving::displacement)
     }
 
     /// Time since the start, s.

@@ -3,21 +3,34 @@
 //! A new apparatus is one file, with its settings and its [`Device`], and one line in the list below.
 
 mod box_collapse;
+mod bulk_density;
+mod compression;
 mod device;
+mod direct_shear;
 mod drop;
 mod drum;
 mod heap;
+mod hopper;
 mod metering;
+mod penetration;
+mod poured_heap;
 mod read;
+mod shapes;
 mod slider;
 mod tilt;
 
 pub use box_collapse::BoxCollapse;
+pub use bulk_density::BulkDensity;
+pub use compression::Compression;
 pub(crate) use device::Device;
+pub use direct_shear::DirectShear;
 pub use drop::Drop;
 pub use drum::{Drum, Lifters, OBSERVABLES_OF_A_BED, OBSERVABLES_OF_PICTURES, Ripple};
 pub use heap::Heap;
+pub use hopper::Hopper;
 pub use metering::Metering;
+pub use penetration::Penetration;
+pub use poured_heap::PouredHeap;
 pub use slider::Slider;
 pub use tilt::Tilt;
 
@@ -74,6 +87,18 @@ apparatus! {
     Heap = "heap",
     /// Box whose gate is lifted.
     BoxCollapse = "box-collapse",
+    /// Hopper that is emptied through its opening.
+    Hopper = "hopper",
+    /// Cup that is filled, struck off and tapped.
+    BulkDensity = "bulk-density",
+    /// Heap on a floor or a disc, poured from above.
+    PouredHeap = "poured-heap",
+    /// Bed under a piston.
+    Compression = "compression",
+    /// Bed sheared between two halves of a box.
+    DirectShear = "direct-shear",
+    /// Probe pressed into a bed.
+    Penetration = "penetration",
     /// Bench test: a sled of seeds pulled over a plate.
     Slider = "slider",
     /// Bench test: a seed that falls on a plate.
@@ -117,9 +142,9 @@ pub(crate) struct NamedWall {
 }
 
 impl Apparatus {
-    /// Whether the seeds are let go by a wall that is lifted.
-    pub fn is_release(&self) -> bool {
-        self.device().releases_after().is_some()
+    /// Whether a run goes through phases until the seeds rest, instead of turning until the bed is steady.
+    pub fn has_phases(&self) -> bool {
+        self.device().has_phases()
     }
 
     /// Whether it is a bench test: single seeds on a plate, with repeats instead of frames.

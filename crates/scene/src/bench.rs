@@ -232,7 +232,7 @@ impl Apparatus {
             Self::Drop(_) => drop::FINER,
             Self::Slider(_) => slider::FINER,
             Self::Tilt(_) => tilt::FINER,
-            Self::Drum(_) | Self::Metering(_) | Self::Heap(_) | Self::BoxCollapse(_) => 1.0,
+            _ => 1.0,
         }
     }
 }

@@ -98,6 +98,8 @@ pub(crate) fn assemble(
     meshes: Vec<NamedMesh>,
     placements: &[Placement],
 ) -> Result<Built, Error> {
+    let check = scene.apparatus.device().check_seeds(scene, &bodies);
+    check.map_err(|error| error.in_file(&scene.file))?;
     let mut time_steps = TimeSteps::of(scene, &bodies)?;
     let names = material_names(scene, &meshes);
     let settings = scene.model.bonds.as_ref();

@@ -41,6 +41,7 @@ impl Scene {
         if let Some(test) = self.apparatus.device().bench_test() {
             self.check_bench(test, &mut found);
         }
+        self.check_phases(&mut found);
         self.check_names(&mut found);
         self.check_contacts(&mut found);
         let all = found.into_iter();
@@ -300,6 +301,24 @@ impl Scene {
                 slope.to_string(),
                 requirement,
             );
+        }
+    }
+
+    /// Finds what an apparatus that takes seeds out, or pours them, cannot have or lacks.
+    fn check_phases(&self, found: &mut Vec<Error>) {
+        let device = self.apparatus.device();
+        let takes_out = device.plan(self).is_some_and(|plan| plan.has_outlets());
+        if takes_out && self.model.bonds.is_some() {
+            let requirement = "absent in an apparatus that takes seeds out";
+            found.push(bad("model.bonds", "stated".into(), requirement));
+        }
+        if device.needs_insertion_rate() && self.protocol.insertion_rate.is_none() {
+            let requirement = "stated in this apparatus, such as \"500 1/s\": its seeds are poured";
+            found.push(bad(
+                "protocol.insertion_rate",
+                "missing".into(),
+                requirement,
+            ));
         }
     }
 

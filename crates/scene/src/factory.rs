@@ -49,9 +49,19 @@ impl Factory {
         self.order.len() as f64 / self.rate
     }
 
-    /// Whether so many seeds of these kinds are what it makes first.
-    pub(crate) fn began_with(&self, kinds: &[usize]) -> bool {
-        self.order.starts_with(kinds)
+    /// Kinds of the seeds of some numbers in rising order, or of the first seeds if no numbers are given; `None` if it makes fewer.
+    pub(crate) fn made(&self, numbers: &[usize], count: usize) -> Option<Vec<usize>> {
+        if numbers.is_empty() {
+            return self.order.get(..count).map(<[usize]>::to_vec);
+        }
+        let mut numbers = numbers.to_vec();
+        numbers.sort_unstable();
+        // Seeds behind the last sorting have the numbers of their places.
+        numbers.extend(numbers.len()..count);
+        let kinds = numbers
+            .iter()
+            .map(|&number| self.order.get(number).copied());
+        kinds.collect()
     }
 
     /// Refuses an apparatus that is not full of all seeds at the end of the time.
@@ -65,12 +75,12 @@ impl Factory {
         })
     }
 
-    /// The seeds that appear now, `interval` (s) after the last ones.
+    /// The seeds that appear now, `interval` (s) after the last ones; `gone` were taken out before.
     pub(crate) fn next(
         &self,
         apparatus: &Apparatus,
         built: &Built,
-        interval: f64,
+        (gone, interval): (usize, f64),
     ) -> Vec<Placement> {
         let (bodies, inside) = (built.world.bodies(), built.world.bodies().len());
         #[expect(
@@ -80,7 +90,8 @@ impl Factory {
         )]
         let due = ((built.world.time() + interval) * self.rate).round() as usize;
         let due = due.min(self.order.len());
-        if inside >= due {
+        let made_before = inside + gone;
+        if made_before >= due {
             return Vec::new();
         }
         let capsules: Vec<Capsule> = built
@@ -108,7 +119,7 @@ impl Factory {
         let purpose = format!("factory at step {}", built.world.n_steps());
         let mut stream = Stream::new(self.seed, &purpose);
         let mut made = Vec::new();
-        for &kind in &self.order[inside..due] {
+        for &kind in &self.order[made_before..due] {
             let near: Vec<&Placed> = placed.iter().collect();
             let mut tries = 0.0;
             let low_first = |stream: &mut Stream| {

@@ -15,13 +15,13 @@ const OVERLAP: f64 = 0.5;
 pub(crate) fn limits(scene: &Scene, bodies: &[Arc<SeedBody>]) -> HealthLimits {
     let [low, high] = scene.apparatus.device().room();
     let (size, gravity) = ((high - low).norm(), scene.model.gravity_m_s2);
-    let fall = (2.0 * gravity * size).sqrt();
+    let fall = (2.0 * gravity * size.max(fall_height(scene))).sqrt();
     let length = bodies
         .iter()
         .map(|b| b.clump.bounding_radius())
         .fold(0.0, f64::max);
     // On an open floor seeds may roll away; a drum or a device must hold them.
-    let open = if scene.apparatus.device().is_open() {
+    let open = if scene.apparatus.has_phases() {
         100.0 * size
     } else {
         length
@@ -48,6 +48,12 @@ fn mesh_speed(scene: &Scene) -> f64 {
         .fold(0.0, f64::max)
 }
 
+/// Height of a fall across the apparatus, or from where seeds appear to the floor y = 0 if that is lower, m.
+pub(crate) fn fall_height(scene: &Scene) -> f64 {
+    let [low, high] = scene.apparatus.device().room();
+    high.y - low.y.min(0.0)
+}
+
 /// Speed of a hard meeting of two seeds, or of a seed and a wall, m/s: at least [`hard_contact::SPEED`].
 ///
 /// # Formula
@@ -56,10 +62,9 @@ fn mesh_speed(scene: &Scene) -> f64 {
 /// was found in drums of 60 to 140 mm, in which twice [`hard_contact::SPEED`] is just not reached; and all of the speed of a
 /// mesh, which hits a seed that does not give way. In a drop h is its height. (docs/time-step.md)
 pub(crate) fn impact_speed(scene: &Scene) -> f64 {
-    let [low, high] = scene.apparatus.device().room();
     let height = match &scene.apparatus {
         Apparatus::Drop(test) => test.height.si(),
-        _ => high.y - low.y,
+        _ => fall_height(scene),
     };
     let fall = (2.0 * scene.model.gravity_m_s2 * height).sqrt();
     (0.5 * (fall + rim_speed(scene)) + mesh_speed(scene)).max(hard_contact::SPEED)

@@ -45,10 +45,10 @@ mod other_names;
 mod outline;
 mod parse;
 mod phase_times;
+mod phases;
 mod picture;
 mod placement;
 mod reduce;
-mod release;
 mod rest_load;
 mod retry;
 mod run;
@@ -61,8 +61,9 @@ mod surroundings;
 mod time_step;
 
 pub use apparatus::{
-    Apparatus, BoxCollapse, Drop, Drum, Heap, Lifters, Metering, OBSERVABLES_OF_A_BED,
-    OBSERVABLES_OF_PICTURES, Ripple, Slider, Tilt,
+    Apparatus, BoxCollapse, BulkDensity, Compression, DirectShear, Drop, Drum, Heap, Hopper,
+    Lifters, Metering, OBSERVABLES_OF_A_BED, OBSERVABLES_OF_PICTURES, Penetration, PouredHeap,
+    Ripple, Slider, Tilt,
 };
 pub use bed_motion::{BedMotion, MotionEvidence};
 pub use bonded::BondedSettings;
@@ -77,10 +78,10 @@ pub use memory_order::SORTED_FROM;
 pub use motion::Progress;
 pub use named_setting::{NamedSetting, SettingKind};
 pub use obstacles::{VibrationSettings, WallSettings};
+pub use outline::read_pile;
 pub use parse::{Override, like_names, setting_at};
 pub use phase_times::{PhaseTimes, TimeSpent};
 pub use picture::frame_picture;
-pub use release::read_pile;
 pub use retry::{USUAL_RETRIES, run_retrying};
 pub use run::{
     Ending, ObservableValues, Regime, RunResult, run, run_on, running_world, settled_world,

@@ -57,7 +57,7 @@ impl Scene {
 
     /// Whether a drive turns the apparatus.
     fn turns(&self) -> bool {
-        !self.apparatus.is_bench_test() && !self.apparatus.is_release()
+        !self.apparatus.is_bench_test() && !self.apparatus.has_phases()
     }
 
     /// Finds times, steps, seeds, frames and speeds that no run can have.

@@ -27,6 +27,38 @@ impl Built {
         Ok(())
     }
 
+    /// Takes bodies out of the world; the others keep their numbers.
+    pub(crate) fn remove(&mut self, places: &[usize]) -> Result<(), Error> {
+        if places.is_empty() {
+            return Ok(());
+        }
+        let all = 0..self.world.bodies().len();
+        let stay = all.filter(|place| !places.contains(place));
+        self.numbers = stay.map(|place| self.number(place)).collect();
+        Ok(self.world.remove(places)?)
+    }
+
+    /// Adds seeds that a factory makes, behind so many that were taken out.
+    pub(crate) fn insert(&mut self, new: &[Placement], gone: usize) -> Result<(), Error> {
+        if gone > 0 {
+            let made = self.world.bodies().len() + gone;
+            self.numbers.extend(made..made + new.len());
+        }
+        Ok(self.world.insert(new)?)
+    }
+
+    /// Places of the seeds, in a world with all of them in order, whose numbers are not among these.
+    pub(crate) fn places_without(&self, numbers: &[usize]) -> Vec<usize> {
+        let mut is_left = vec![false; self.world.bodies().len()];
+        for &number in numbers {
+            if let Some(left) = is_left.get_mut(number) {
+                *left = true;
+            }
+        }
+        let all = is_left.iter().enumerate();
+        all.filter(|(_, left)| !**left).map(|(k, _)| k).collect()
+    }
+
     /// The number of the seed in a place: seeds that a factory makes behind the last sorting are in order.
     fn number(&self, place: usize) -> usize {
         self.numbers.get(place).copied().unwrap_or(place)
@@ -52,8 +84,12 @@ impl Built {
             return Ok(());
         }
         numbers.clone_into(&mut self.numbers);
-        let all = 0..self.world.bodies().len();
-        let order: Vec<usize> = all.map(|place| self.number(place)).collect();
+        // The world has the seeds in the order of their numbers, of which some may be missing.
+        let places = places(numbers, self.world.bodies().len());
+        let mut order = vec![0; places.len()];
+        for (rank, &place) in places.iter().enumerate() {
+            order[place] = rank;
+        }
         Ok(self.world.reorder(&order)?)
     }
 }
@@ -70,14 +106,9 @@ fn column<T: Copy>(values: &[T], places: &[usize]) -> Vec<T> {
     places.iter().map(|&place| values[place]).collect()
 }
 
-/// The place of each of so many seeds; those that `numbers` does not reach stand in order. Numbers that name no seed leave
-/// theirs where they would stand.
+/// Places of so many seeds in the order of their numbers; the number of a seed that `numbers` does not reach is its place.
 fn places(numbers: &[usize], seeds: usize) -> Vec<usize> {
     let mut places: Vec<usize> = (0..seeds).collect();
-    for (place, &number) in numbers.iter().enumerate().take(seeds) {
-        if let Some(own) = places.get_mut(number) {
-            *own = place;
-        }
-    }
+    places.sort_by_key(|&place| numbers.get(place).copied().unwrap_or(place));
     places
 }

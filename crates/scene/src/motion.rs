@@ -3,9 +3,11 @@
 use crate::bonded::BondedSeeds;
 use crate::build::Built;
 use crate::factory::Factory;
+use crate::health::fall_height;
 use crate::keeper::{Keeper, RunStage};
 use crate::memory_order::placements_in_order;
 use crate::phase_times::Stopwatch;
+use crate::phases::Log;
 use crate::series::{SeriesPoint, series_point};
 use crate::start_slope::start_slope;
 use crate::steady::{SteadyRule, SteadyState, swing_time};
@@ -37,6 +39,9 @@ pub struct Progress {
     /// Numbers of the seeds by their places in the world, where it was sorted.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     numbers: Vec<usize>,
+    /// How far the phases are, and what was seen on the way.
+    #[serde(default)]
+    log: Log,
     /// Why attempts with longer steps broke off before.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     broken_off: Vec<String>,
@@ -56,7 +61,7 @@ impl Progress {
 
 /// A run between its start and its end.
 pub(crate) struct Running<'a> {
-    scene: &'a Scene,
+    pub(crate) scene: &'a Scene,
     /// The world and what belongs to it.
     pub(crate) built: Built,
     /// Time of the world when the drive started, or the wall began to rise, s.
@@ -67,6 +72,8 @@ pub(crate) struct Running<'a> {
     series: Vec<SeriesPoint>,
     /// Frames since then.
     frames: Vec<(usize, Frame)>,
+    /// How far the phases are, and what was seen on the way.
+    pub(crate) log: Log,
 }
 
 impl<'a> Running<'a> {
@@ -84,18 +91,24 @@ impl<'a> Running<'a> {
                 swing: None,
                 series: Vec::new(),
                 frames: Vec::new(),
+                log: Log::default(),
             });
+        };
+        let others = || Error::NotKept {
+            file: scene.file.clone(),
+            reason: "its seeds are others".into(),
         };
         if let Some(factory) = &built.factory {
             let inside = placements_in_order(&left.world, &left.numbers);
             let kinds: Vec<_> = inside.iter().map(|p| p.template).collect();
-            if !factory.began_with(&kinds) {
-                return Err(Error::NotKept {
-                    file: scene.file.clone(),
-                    reason: "its seeds are others".into(),
-                });
+            let known = factory.made(&left.numbers, kinds.len());
+            if known.is_none_or(|known| known != kinds) {
+                return Err(others());
             }
             built.world.insert(&inside)?;
+        } else if !left.log.passages.is_empty() {
+            let gone = built.places_without(&left.numbers);
+            built.world.remove(&gone)?;
         }
         let kinds = match &built.bonds {
             Some(bonds) => &bonds.kinds(),
@@ -126,6 +139,7 @@ impl<'a> Running<'a> {
             swing: left.swing,
             series: left.series,
             frames: left.frames,
+            log: left.log,
         })
     }
 
@@ -169,6 +183,7 @@ impl<'a> Running<'a> {
             frames: self.frames.clone(),
             broken: (self.built.bonds.as_ref()).map_or_else(Vec::new, BondedSeeds::broken),
             numbers: self.built.numbers.clone(),
+            log: self.log.clone(),
             broken_off: self.scene.protocol.broken_off.clone(),
         };
         keeper.keep(&progress).map_err(|reason| Error::NotKept {
@@ -220,19 +235,24 @@ fn wait_for_rest(running: &mut Running<'_>, keeper: &mut dyn Keeper) -> Result<(
     let made = made.map_or(0.0, Factory::duration);
     let limit = made + scene.protocol.settle_limit.si();
     // Free fall across the apparatus comes first: at the very start nothing moves.
-    let [low, high] = scene.apparatus.device().room();
-    let fall = (2.0 * (high.y - low.y) / scene.model.gravity_m_s2).sqrt();
+    let fall = (2.0 * fall_height(scene) / scene.model.gravity_m_s2).sqrt();
+    let plan = scene.apparatus.device().plan(scene);
     loop {
+        let gone = running.log.passages.len();
         if let Some(factory) = &running.built.factory {
-            let new = factory.next(&scene.apparatus, &running.built, SERIES_INTERVAL);
-            running.built.world.insert(&new)?;
+            let new = factory.next(&scene.apparatus, &running.built, (gone, SERIES_INTERVAL));
+            running.built.insert(&new, gone)?;
         }
         advance(scene, &mut running.built, SERIES_INTERVAL)?;
+        if let Some(plan) = &plan {
+            running.take_out(plan.outlets(0))?;
+        }
         let world = &running.built.world;
         let rested = world.time() > made + fall && world.kinetic_energy() < rest;
         if rested || world.time() >= limit {
             let factory = running.built.factory.as_ref();
-            return factory.map_or(Ok(()), |f| f.check_all_in(world.bodies().len()));
+            let made = world.bodies().len() + running.log.passages.len();
+            return factory.map_or(Ok(()), |f| f.check_all_in(made));
         }
         running.offer(keeper)?;
     }
@@ -245,11 +265,7 @@ pub(crate) fn rest_energy(scene: &Scene, world: &World) -> f64 {
         .iter()
         .map(Template::smallest_radius)
         .fold(f64::INFINITY, f64::min);
-    let masses = scene
-        .seed
-        .iter()
-        .map(|s| s.mass_kg() * scene.count_of(s) as f64);
-    AT_REST * masses.sum::<f64>() * scene.model.gravity_m_s2 * 10.0 * size
+    AT_REST * scene.seed_mass() * scene.model.gravity_m_s2 * 10.0 * size
 }
 
 /// Moves the world by a time (s), and looks whether it can still be believed.

@@ -118,6 +118,7 @@ impl WallSettings {
                 spin: spin.unwrap_or_default(),
                 about: lengths(self.about),
                 vibration,
+                load: None,
             },
         })
     }

@@ -1,16 +1,17 @@
 //! The slope of a heap, read from its outline as a photo from the side would show it.
 
+use crate::{Apparatus, ObservableValues};
 use geometry::clump::Sphere;
 use nalgebra::Vector3;
 
 /// Shares of the height between which a whole flank is read: the foot is ragged and the top is round.
-pub(crate) const FLANK: [f64; 2] = [0.2, 0.8];
+const FLANK: [f64; 2] = [0.2, 0.8];
 
 /// The lower part of a flank.
-pub(crate) const TOE: [f64; 2] = [0.1, 0.5];
+const TOE: [f64; 2] = [0.1, 0.5];
 
 /// The upper part of a flank.
-pub(crate) const TOP: [f64; 2] = [0.5, 0.9];
+const TOP: [f64; 2] = [0.5, 0.9];
 
 /// A direction of looking: which coordinate runs to the right.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,6 +20,67 @@ pub(crate) enum View {
     AlongZ,
     /// z to the right, seen along x.
     AlongX,
+}
+
+/// Slope, height and extent of what lies in an apparatus at the end: spheres at rest, from here or from another code, in the frame
+/// of the apparatus. The columns of the outline are half as wide as the radius of the largest seed, m.
+pub fn read_pile(
+    apparatus: &Apparatus,
+    spheres: &[Sphere],
+    largest_radius: f64,
+) -> Vec<ObservableValues> {
+    apparatus.device().read_pile(spheres, largest_radius)
+}
+
+/// Angle of all flanks, height and radius of a round heap, seen along z and x.
+pub(crate) fn read_round_heap(spheres: &[Sphere], largest_radius: f64) -> Vec<ObservableValues> {
+    let views = [View::AlongZ, View::AlongX].into_iter();
+    let outlines: Vec<_> = views
+        .filter_map(|view| Outline::of(spheres, view, 0.5 * largest_radius))
+        .collect();
+    let sides: Vec<_> = outlines
+        .iter()
+        .flat_map(|outline| [outline.clone(), outline.mirrored()])
+        .collect();
+    let flanks = sides.iter().filter_map(|side| side.right_flank(FLANK));
+    let radii = sides.iter().map(|side| 1e3 * side.right_end()).collect();
+    let height = outlines.first().map(|outline| 1e3 * outline.height());
+    vec![
+        ObservableValues::new(
+            "angle_of_repose_deg",
+            "deg",
+            flanks.map(f64::to_degrees).collect(),
+        ),
+        ObservableValues::new("height_mm", "mm", height.into_iter().collect()),
+        ObservableValues::new("base_radius_mm", "mm", radii),
+    ]
+}
+
+/// Angles of the flank, its parts, and the extent of a heap that has run out to the right.
+pub(crate) fn read_run_out(spheres: &[Sphere], largest_radius: f64) -> Vec<ObservableValues> {
+    let outline = Outline::of(spheres, View::AlongZ, 0.5 * largest_radius);
+    let angle = |part: [f64; 2]| {
+        let angle = outline
+            .as_ref()
+            .and_then(|outline| outline.right_flank(part));
+        angle.map(f64::to_degrees).into_iter().collect()
+    };
+    let length = |read: &dyn Fn(&Outline) -> f64| {
+        let length = outline.as_ref().map(read);
+        length.map(|length| 1e3 * length).into_iter().collect()
+    };
+    let mut all = vec![
+        ObservableValues::new("angle_of_repose_deg", "deg", angle(FLANK)),
+        ObservableValues::new("height_mm", "mm", length(&Outline::height)),
+        ObservableValues::new("runout_mm", "mm", length(&Outline::right_end)),
+    ];
+    if outline.is_some() {
+        let foot = |outline: &Outline| outline.right_foot(2.0 * largest_radius);
+        all.push(ObservableValues::new("length_mm", "mm", length(&foot)));
+        all.push(ObservableValues::new("toe_angle_deg", "deg", angle(TOE)));
+        all.push(ObservableValues::new("top_angle_deg", "deg", angle(TOP)));
+    }
+    all
 }
 
 /// Upper outline: highest point of any sphere in columns of a width (m) from the left on.

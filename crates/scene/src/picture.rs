@@ -1,12 +1,17 @@
-//! A frame as a picture to look at: drums as their camera sees them, heaps and boxes from the side, and walls of triangles.
+//! A frame as a picture to look at: drums as their camera sees them, heaps and boxes from the side, other apparatus in section.
 
+use crate::apparatus::NamedMesh;
 use crate::motion::SERIES_INTERVAL;
 use crate::obstacles::mesh_walls;
-use crate::{Apparatus, DrumCamera, Error, Frame, Scene, SeedBody};
-use dem_solver::Motion;
+use crate::phases::Phase;
+use crate::{Apparatus, DrumCamera, Error, Frame, PouredHeap, Scene, SeedBody};
+use dem_solver::{Motion, Shape};
 use frame_render::{RenderSphere, SideView, render_side, seed_colour};
-use image::RgbImage;
+use image::{DynamicImage, RgbImage};
+use input::quantity::Angle;
 use nalgebra::{UnitQuaternion, Vector3};
+use photo_profile::{MAX_ANGLE_ERROR, Mode, PhotoPixels, PhotoReading, Settings, measure_photo};
+use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 /// Share of the seeds on either side that do not count for the width of a picture: of a low heap a tenth may roll far.
@@ -40,8 +45,11 @@ pub fn frame_picture(
     if scene.apparatus.is_bench_test() {
         return Ok(None);
     }
+    if scene.apparatus.has_phases() && !scene.apparatus.device().leaves_a_heap() {
+        return in_section(scene, bodies, frame).map(Some);
+    }
     let walls = walls_at(scene, frame.time)?;
-    if scene.apparatus.is_release() {
+    if scene.apparatus.has_phases() {
         return from_the_side(scene, bodies, frame, walls).map(Some);
     }
     let camera = DrumCamera::of(scene);
@@ -50,13 +58,90 @@ pub fn frame_picture(
         .map(Some)
 }
 
+/// Inclinations of the flanks of a round heap by the reader of photos, rad, in pictures along z and x; fewer if one cannot be read.
+pub(crate) fn heap_angles(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    frame: &Frame,
+) -> Result<Vec<f64>, Error> {
+    let largest = scene.camera.max_angle_error;
+    let settings = Settings {
+        mode: Mode::Heap,
+        max_angle_error: largest.map_or(MAX_ANGLE_ERROR, Angle::si),
+        ..Settings::default()
+    };
+    let aside = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), FRAC_PI_2);
+    let mut angles = Vec::new();
+    for turn in [UnitQuaternion::identity(), aside] {
+        let turned = Frame {
+            position: frame.position.iter().map(|p| turn * p).collect(),
+            orientation: frame.orientation.iter().map(|q| turn * q).collect(),
+            ..frame.clone()
+        };
+        let picture = from_the_side(scene, bodies, &turned, Vec::new())?;
+        let pixels = PhotoPixels::from_picture(&DynamicImage::from(picture));
+        // A heap that the reader of photos refuses has no angle, as on a photo.
+        if let Ok(PhotoReading::Heap(heap)) = measure_photo(&pixels, &settings) {
+            angles.extend([heap.left, heap.right]);
+        }
+    }
+    Ok(angles)
+}
+
+/// The inside of an apparatus: seeds, and of the walls that no phase moves the half behind the axis.
+fn in_section(scene: &Scene, bodies: &[Arc<SeedBody>], frame: &Frame) -> Result<RgbImage, Error> {
+    let device = scene.apparatus.device();
+    let phases = device.plan(scene).map_or_else(Vec::new, |plan| plan.phases);
+    let stays = |mesh: &NamedMesh| {
+        let is_moved = |phase: &Phase| {
+            phase.motions.iter().any(|(name, _)| *name == mesh.name)
+                || phase.removed.iter().any(|name| *name == mesh.name)
+        };
+        !phases.iter().any(is_moved)
+    };
+    let meshes = device.mesh_walls();
+    let behind = |corners: &&[Vector3<f64>; 3]| corners.iter().map(|c| c.z).sum::<f64>() <= 0.0;
+    let drawn = meshes.iter().filter(|mesh| stays(mesh));
+    let mut walls: Vec<Corners> = drawn
+        .flat_map(|mesh| &mesh.triangles)
+        .filter(behind)
+        .map(|corners| corners.each_ref().map(|c| (*c).into()))
+        .collect();
+    for wall in device.walls() {
+        if let Shape::Rectangle {
+            centre,
+            half_edges: [a, b],
+        } = wall.shape
+        {
+            let corners = [-a - b, a - b, a + b, b - a].map(|c| <[f64; 3]>::from(centre + c));
+            let [a, b, c, d] = corners;
+            walls.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    let [low, high] = device.room();
+    let spheres = frame.spheres(bodies).map(|(body, s)| RenderSphere {
+        centre: s.centre.into(),
+        radius: s.radius,
+        colour: seed_colour(body),
+    });
+    let middle = 0.5 * (low + high);
+    let half = 0.5 * (high - low);
+    let view = SideView {
+        centre: [middle.x, middle.y, 0.0],
+        half_width: 1.1 * half.x.max(half.y),
+        depth: 2.0 * half.norm(),
+        pixels: scene.camera.pixels,
+    };
+    Ok(render_side(&spheres.collect::<Vec<_>>(), &walls, &view)?)
+}
+
 /// The walls of triangles at a time after the start of the drive, s; the cylinder or gate of a release has been lifted.
 fn walls_at(scene: &Scene, time: f64) -> Result<Vec<Corners>, Error> {
     let own = scene.apparatus.device().mesh_walls().len();
     let mut all = Vec::new();
     for (number, wall) in mesh_walls(scene)?.into_iter().enumerate() {
         let is_own = number < own;
-        if is_own && scene.apparatus.is_release() {
+        if is_own && scene.apparatus.has_phases() {
             continue;
         }
         // What belongs to the drum follows its schedule.
@@ -138,10 +223,13 @@ fn from_the_side(
         let [a, b, c, d] = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(|[x, y]| [x, y, reach]);
         walls.extend([[a, b, c], [a, c, d]]);
     };
-    slab(
-        [middle - half_width, middle + half_width],
-        [-FLOOR * half_width, 0.0],
-    );
+    let floor = match &scene.apparatus {
+        Apparatus::PouredHeap(PouredHeap {
+            disc: Some(disc), ..
+        }) => [-0.5 * disc.si(), 0.5 * disc.si()],
+        _ => [middle - half_width, middle + half_width],
+    };
+    slab(floor, [-FLOOR * half_width, 0.0]);
     if let Apparatus::BoxCollapse(body) = &scene.apparatus {
         slab([middle - half_width, 0.0], [0.0, body.height.si()]);
     }

@@ -61,6 +61,11 @@ impl Capsule {
         self.half_length + self.radius
     }
 
+    /// Width across the longest axis, m.
+    pub(crate) fn width(&self) -> f64 {
+        2.0 * self.radius
+    }
+
     /// Its volume, m³.
     fn volume(&self) -> f64 {
         let across = std::f64::consts::PI * self.radius * self.radius;

@@ -27,8 +27,10 @@ impl Scene {
             scene.model.bonds = None;
             scene.protocol.insertion_rate = None;
         }
-        if !scene.apparatus.is_turned() {
+        if !scene.apparatus.device().is_photographed() {
             scene.camera = CameraSettings::default();
+        }
+        if !scene.apparatus.is_turned() {
             scene.protocol.start_slope = None;
         }
         scene.check()?;
@@ -47,7 +49,7 @@ impl Scene {
         if scene.apparatus.is_bench_test() {
             scene.reduce_bench();
         }
-        if !scene.apparatus.is_turned() {
+        if !scene.apparatus.device().is_photographed() {
             scene.camera = CameraSettings::default();
         }
         scene.protocol.session = None;
@@ -56,7 +58,7 @@ impl Scene {
         if steps.time_step.is_some() || steps.flow_step_share == Some(steps.step_share) {
             scene.protocol.flow_step_share = None;
         }
-        if scene.apparatus.is_release() {
+        if scene.apparatus.has_phases() {
             let usual = Protocol::default();
             scene.protocol = Protocol {
                 flow_step_share: None,

@@ -43,7 +43,8 @@ impl RestLoad {
     ///
     /// # Formula
     ///
-    /// `4/3 E* sqrt(R) d^(3/2) = N^(1/3) m g + F(d)`, with F the greatest attraction of a contact of the seed at the overlap d, of
+    /// `4/3 E* sqrt(R) d^(3/2) = N^(1/3) m g + s D² + F(d)`, with s the greatest stress of a loaded wall, D the diameter of the largest
+    /// sphere, and F the greatest attraction of a contact of the seed at the overlap d, of
     /// constant size, by area or of a bridge of liquid. R is half of the largest radius in the spring, and in the attraction
     /// between seeds; at a wall the attraction takes the whole radius.
     ///
@@ -60,7 +61,8 @@ impl RestLoad {
         let material = material_of(scene, &seed.material, &seed.name)?;
         let moduli = effective_moduli(&material, &material);
         let radius = 0.5 * largest_radius(body);
-        let weight = above * body.clump.mass() * scene.model.gravity_m_s2;
+        let stressed = scene.apparatus.device().greatest_stress() * (16.0 * radius * radius);
+        let weight = above * body.clump.mass() * scene.model.gravity_m_s2 + stressed;
         let touched = touched_by(scene, bodies, seed)?;
         let largest = largest_radius(body);
         let pull = |touched: &Touched, overlap: f64| {

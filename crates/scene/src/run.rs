@@ -12,6 +12,7 @@ use crate::motion::{
 };
 use crate::obstacles::mesh_walls;
 use crate::phase_times::{PhaseTimes, Stopwatch};
+use crate::phases::{Plan, run_phases};
 use crate::series::SeriesPoint;
 use crate::steady::SteadyState;
 use crate::{
@@ -44,7 +45,7 @@ pub enum Regime {
 pub enum Ending {
     /// All repeats of a bench test were done.
     Tested,
-    /// A wall was lifted, and the seeds came to rest before the limit, or why they do not count as at rest.
+    /// All phases came to their end and the seeds to rest before the limit, or why they do not count as at rest.
     Rested(Option<Doubt>),
     /// The drive turned: what is kept of it.
     Turned(SteadyState),
@@ -175,8 +176,8 @@ pub fn run_on(
         building_s: watch.lap(),
         ..PhaseTimes::default()
     };
-    if scene.apparatus.is_release() {
-        return released(scene, (built, phases), left, keeper);
+    if let Some(plan) = scene.apparatus.device().plan(scene) {
+        return in_phases(scene, &plan, (built, phases), left, keeper);
     }
     let mut running = Running::new(scene, built, left)?;
     if !running.is_driven() {
@@ -316,14 +317,15 @@ impl RunResult {
     }
 }
 
-/// The result of a release in the form of a run.
-fn released(
+/// A run in phases.
+fn in_phases(
     scene: &Scene,
+    plan: &Plan,
     (built, mut phases): (Built, PhaseTimes),
     left: Option<Progress>,
     keeper: &mut dyn Keeper,
 ) -> Result<RunResult, Error> {
-    let result = crate::release::release(scene, built, left, keeper)?;
+    let result = run_phases(scene, plan, built, left, keeper)?;
     [phases.settling_s, phases.measuring_s, phases.reading_s] = result.laps_s;
     let Built { world, bodies, .. } = result.built;
     Ok(RunResult {

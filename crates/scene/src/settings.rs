@@ -310,6 +310,13 @@ impl Scene {
         kinds.fold(0, usize::saturating_add)
     }
 
+    /// Mass of all seeds, kg.
+    pub(crate) fn seed_mass(&self) -> f64 {
+        let kinds = self.seed.iter();
+        let masses = kinds.map(|s| s.mass_kg() * self.count_of(s) as f64);
+        masses.sum()
+    }
+
     /// Sets the total number of seeds, keeping the shares of the kinds (largest remainder).
     pub fn set_seed_count(&mut self, total: usize) {
         let before = self.seed_count();
@@ -334,14 +341,16 @@ impl Scene {
     }
 
     /// Simulated time, s, that a drive turns before its run ends, if the bed is steady at once: the least start-up, and four
-    /// swings or the frames behind it, at most the limit.
+    /// swings or the frames behind it, at most the limit. Of an apparatus that goes through phases, their stated times are added.
     pub fn expected_rotation(&self) -> f64 {
         let protocol = &self.protocol;
+        let plan = self.apparatus.device().plan(self);
+        let stated = plan.map_or(0.0, |plan| plan.stated_time());
         let swing = expected_swing(self.apparatus.radius(), self.model.gravity_m_s2);
         let start_up = self.start_up(swing).unwrap_or(0.0);
         let frames = protocol.frames as f64 * protocol.frame_interval.si();
         let kept = frames.max(LEAST_KEPT as f64 * swing);
-        (start_up.max(LEAST_START_UP * swing) + kept).min(protocol.rotation_limit.si())
+        stated + (start_up.max(LEAST_START_UP * swing) + kept).min(protocol.rotation_limit.si())
     }
 
     /// Time of rotation, s, before which nothing is kept of a bed that swings in a time (s): what the protocol states, and 1.5

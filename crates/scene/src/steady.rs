@@ -62,6 +62,10 @@ pub enum Doubt {
     NotSharp,
     /// Seeds that were let go still move.
     NotAtRest,
+    /// A wall under a load still moves, or finds no seeds that carry it.
+    LoadNotCarried,
+    /// A probe did not come to its depth.
+    DepthNotReached,
     /// Rolling friction of type A turns the seeds to and fro within a step, however long it lasts.
     DrivenByRolling,
 }
@@ -76,6 +80,8 @@ impl Doubt {
             Self::ChangesRegime => "rolls in one half of the time and slides in the other",
             Self::NotSharp => "swings too much for the standard error asked for",
             Self::NotAtRest => "had not come to rest",
+            Self::LoadNotCarried => "did not carry the load of a wall",
+            Self::DepthNotReached => "was not pressed to the stated depth",
             Self::DrivenByRolling => {
                 "is driven by its own rolling torque, which turns the seeds to and fro within a time step: lower \
                  protocol.step_share to a quarter, or take model.rolling_law = \"spring-dashpot\""

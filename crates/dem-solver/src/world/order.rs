@@ -27,6 +27,35 @@ impl World {
         Ok(order)
     }
 
+    /// Takes bodies out between two steps; the others keep their contacts and their order, and move up to fill the gaps.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoSuch`] for a body that does not exist; a body whose state is no longer finite.
+    pub fn remove(&mut self, bodies: &[usize]) -> Result<(), Error> {
+        let count = self.bodies.len();
+        if let Some(&index) = bodies.iter().find(|&&body| body >= count) {
+            let what = "body";
+            return Err(Error::NoSuch { what, index, count });
+        }
+        if bodies.is_empty() {
+            return Ok(());
+        }
+        self.check_finite()?;
+        let mut places: Vec<Option<usize>> = vec![Some(0); count];
+        for &body in bodies {
+            places[body] = None;
+        }
+        let kept: Vec<usize> = (0..count).filter(|&k| places[k].is_some()).collect();
+        for (place, &body) in kept.iter().enumerate() {
+            places[body] = Some(place);
+        }
+        let bodies = self.bodies.reordered(&kept);
+        let snapshot = self.snapshot_with(bodies).without(&places);
+        self.radii = kept.iter().map(|&k| self.radii[k]).collect();
+        self.take_up(snapshot)
+    }
+
     /// Puts the bodies into another order: into each place the body of a place of now.
     ///
     /// # Errors

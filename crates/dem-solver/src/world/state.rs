@@ -71,10 +71,10 @@ impl World {
 
     /// Continues from a snapshot, which fits this world.
     pub(super) fn take_up(&mut self, snapshot: Snapshot) -> Result<(), Error> {
+        self.bodies = snapshot.bodies;
         // Lists of before may be of other bodies.
         self.cut_parts();
         self.mesh_walls.forget();
-        self.bodies = snapshot.bodies;
         self.bodies.shift.resize(self.bodies.position.len(), 0.0);
         for (wall, spin) in self.walls.iter_mut().zip(snapshot.spins) {
             wall.spin = spin;

@@ -12,3 +12,4 @@ mod refusal;
 mod reproducibility;
 mod rows;
 mod scene;
+mod walls;

@@ -3,8 +3,11 @@
 use super::device::Device;
 use super::heap::{check_lift, check_size, floor};
 use super::{NamedMesh, NamedWall, cover};
-use crate::Error;
+use crate::outline::read_run_out;
+use crate::phases::{End, Phase, Plan};
+use crate::{Error, ObservableValues, Scene};
 use dem_solver::{Motion, Shape};
+use geometry::clump::Sphere;
 use input::quantity::{Length, Speed};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -110,8 +113,27 @@ impl Device for BoxCollapse {
         Some(self.length.si() * self.height.si() * self.width.si())
     }
 
-    fn releases_after(&self) -> Option<f64> {
-        Some(self.height.si() / self.lift_speed.si())
+    fn has_phases(&self) -> bool {
+        true
+    }
+
+    fn plan(&self, _: &Scene) -> Option<Plan> {
+        // The wall must be out of the way before rest can mean anything.
+        let lifted = self.height.si() / self.lift_speed.si();
+        let motion = self.gate_mesh().motion;
+        Some(Plan::new(vec![Phase {
+            motions: vec![("gate", motion)],
+            end: End::AtRest { after: lifted },
+            ..Phase::named("release")
+        }]))
+    }
+
+    fn leaves_a_heap(&self) -> bool {
+        true
+    }
+
+    fn read_pile(&self, spheres: &[Sphere], largest_radius: f64) -> Vec<ObservableValues> {
+        read_run_out(spheres, largest_radius)
     }
 
     fn has_room(&self, centre: &Vector3<f64>, radius: f64) -> bool {

@@ -1,9 +1,12 @@
 //! What the crate asks of an apparatus; a new one answers what differs from the defaults.
 
 use super::{BenchTest, NamedMesh, NamedWall};
-use crate::Error;
+use crate::phases::{Plan, Seen};
+use crate::{Error, ObservableValues, Scene, SeedBody};
+use geometry::clump::Sphere;
 use input::quantity::AngularSpeed;
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// An apparatus. A device that holds a bed states [`Self::walls`] or [`Self::mesh_walls`], [`Self::room`], [`Self::has_room`]
 /// and [`Self::radius`], [`Self::width`] and [`Self::bed_volume`].
@@ -44,9 +47,9 @@ pub(crate) trait Device {
         false
     }
 
-    /// Whether seeds may leave the region in which they start.
-    fn is_open(&self) -> bool {
-        self.releases_after().is_some()
+    /// Whether a run goes through phases; seeds may then leave the region in which they start.
+    fn has_phases(&self) -> bool {
+        false
     }
 
     /// Inner radius, half the length of a box, m.
@@ -95,9 +98,47 @@ pub(crate) trait Device {
         None
     }
 
-    /// Time in which the wall that holds the seeds is lifted out of their way, s; `None` if no wall is lifted.
-    fn releases_after(&self) -> Option<f64> {
+    /// What is done to the bed of a scene, phase by phase; `None` if a drive turns until the bed is steady, and in a bench test.
+    fn plan(&self, scene: &Scene) -> Option<Plan> {
+        let _ = scene;
         None
+    }
+
+    /// Whether the seeds end as a heap on a floor, which is seen from the side.
+    fn leaves_a_heap(&self) -> bool {
+        false
+    }
+
+    /// Whether observables are read from the pictures of its camera.
+    fn is_photographed(&self) -> bool {
+        self.speed().is_some()
+    }
+
+    /// Refuses seeds that the apparatus cannot take, before the first step.
+    fn check_seeds(&self, scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<(), Error> {
+        let _ = (scene, bodies);
+        Ok(())
+    }
+
+    /// Whether the seeds must come at a rate, and not all at once.
+    fn needs_insertion_rate(&self) -> bool {
+        false
+    }
+
+    /// Greatest stress of a loaded wall on the bed, Pa.
+    fn greatest_stress(&self) -> f64 {
+        0.0
+    }
+
+    /// Slope, height and extent of spheres that lie there at the end; the largest seed has a bounding radius in m.
+    fn read_pile(&self, spheres: &[Sphere], largest_radius: f64) -> Vec<ObservableValues> {
+        let _ = (spheres, largest_radius);
+        Vec::new()
+    }
+
+    /// Observables of a run in phases.
+    fn observe(&self, seen: &Seen<'_>) -> Result<Vec<ObservableValues>, Error> {
+        Ok(self.read_pile(&seen.spheres(), seen.largest_radius()))
     }
 
     /// Settings of a bench test; `None` if the apparatus holds a bed of seeds.

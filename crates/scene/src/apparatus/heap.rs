@@ -1,15 +1,16 @@
 //! A heap on a floor: seeds in a cylinder that is lifted.
 
 use super::device::Device;
+use super::shapes::{between_circles, within_prism};
 use super::{NamedMesh, NamedWall};
-use crate::Error;
+use crate::outline::read_round_heap;
+use crate::phases::{End, Phase, Plan};
+use crate::{Error, ObservableValues, Scene};
 use dem_solver::{Motion, Shape};
+use geometry::clump::Sphere;
 use input::quantity::{Length, Speed};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-
-/// Sides of the prism that stands for the cylinder; it lies within 0.3 % of its radius.
-const SIDES: usize = 48;
 
 /// Floor and cylinder; the axis of the cylinder is the y axis, the floor is y = 0.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -31,27 +32,9 @@ impl Heap {
     /// The cylinder, lifted when the drive runs.
     fn cylinder_mesh(&self) -> NamedMesh {
         let (radius, height) = (0.5 * self.inner_diameter.si(), self.height.si());
-        let at = |k: usize, y: f64| {
-            let angle = std::f64::consts::TAU * (k % SIDES) as f64 / SIDES as f64;
-            Vector3::new(radius * angle.cos(), y, radius * angle.sin())
-        };
-        // Rows twice as high as a side is wide: compact triangles keep the contact search short.
-        let n_rows = (height * SIDES as f64 / (2.0 * std::f64::consts::TAU * radius)).ceil();
-        let rows: Vec<f64> = std::iter::successors(Some(0.0), |r| Some(r + 1.0))
-            .take_while(|r| *r < n_rows)
-            .collect();
-        let side = |k: usize| {
-            let panel = move |row: &f64| {
-                let [low, high] = [0.0, 1.0].map(|up| height * (row + up) / n_rows);
-                let [a, b] = [at(k, low), at(k + 1, low)];
-                let [c, d] = [at(k + 1, high), at(k, high)];
-                [[a, b, c], [a, c, d]]
-            };
-            rows.iter().flat_map(panel).collect::<Vec<_>>()
-        };
         NamedMesh {
             name: "cylinder".into(),
-            triangles: (0..SIDES).flat_map(side).collect(),
+            triangles: between_circles([radius, 0.0], [radius, height]),
             material: self.cylinder.clone(),
             motion: Motion {
                 velocity: Vector3::y() * self.lift_speed.si(),
@@ -96,13 +79,31 @@ impl Device for Heap {
         Some(std::f64::consts::PI * self.radius().powi(2) * self.height.si())
     }
 
-    fn releases_after(&self) -> Option<f64> {
-        Some(self.height.si() / self.lift_speed.si())
+    fn has_phases(&self) -> bool {
+        true
+    }
+
+    fn plan(&self, _: &Scene) -> Option<Plan> {
+        // The wall must be out of the way before rest can mean anything.
+        let lifted = self.height.si() / self.lift_speed.si();
+        let motion = self.cylinder_mesh().motion;
+        Some(Plan::new(vec![Phase {
+            motions: vec![("cylinder", motion)],
+            end: End::AtRest { after: lifted },
+            ..Phase::named("release")
+        }]))
+    }
+
+    fn leaves_a_heap(&self) -> bool {
+        true
+    }
+
+    fn read_pile(&self, spheres: &[Sphere], largest_radius: f64) -> Vec<ObservableValues> {
+        read_round_heap(spheres, largest_radius)
     }
 
     fn has_room(&self, centre: &Vector3<f64>, radius: f64) -> bool {
-        // The sides of the prism lie a little within the circle.
-        let inner = 0.5 * self.inner_diameter.si() * (std::f64::consts::PI / SIDES as f64).cos();
+        let inner = within_prism(0.5 * self.inner_diameter.si());
         centre.x.hypot(centre.z) + radius < inner
             && centre.y > radius
             && centre.y + radius < self.height.si()

@@ -3,6 +3,7 @@
 //! One program for all files: it is linked once, and its tests share the cores.
 
 mod bench;
+mod benches;
 mod bonded;
 mod coarse;
 mod factory;

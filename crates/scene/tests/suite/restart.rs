@@ -247,7 +247,10 @@ fn a_run_ends_when_its_flag_is_raised() {
 
 /// Stopped after the first of these intervals, and with the states that a run which is not stopped keeps after the others:
 /// every digit is that of the run that went on. That run and the states, as text.
-fn goes_on_with_the_same_bits(scene: &Scene, stops: &[usize]) -> (RunResult, Vec<String>) {
+pub(crate) fn goes_on_with_the_same_bits(
+    scene: &Scene,
+    stops: &[usize],
+) -> (RunResult, Vec<String>) {
     let library = FillingLibrary::default();
     let mut keeper = KeepAfter {
         gone: 0,

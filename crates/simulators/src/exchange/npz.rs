@@ -66,7 +66,7 @@ pub fn archive(
             .flat_map(|s| [s.centre.x, s.centre.y, s.centre.z, s.radius]);
         arrays.numbers(&format!("spheres_{kind}_m"), &[spheres.len(), 4], values);
     }
-    if !scene.apparatus.is_release() && n > 0 {
+    if !scene.apparatus.has_phases() && n > 0 {
         let pictures = frames
             .iter()
             .map(|frame| drum_picture(scene, bodies, frame));

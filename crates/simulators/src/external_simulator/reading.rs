@@ -36,7 +36,7 @@ pub fn read_scene(
     let last = moments
         .last()
         .ok_or_else(|| refused("there is no moment"))?;
-    if scene.apparatus.is_release() {
+    if scene.apparatus.has_phases() {
         let spheres: Vec<_> = last.spheres.iter().map(|s| s.sphere).collect();
         let largest = spheres.iter().map(|s| s.radius).fold(0.0, f64::max);
         let read = read_pile(&scene.apparatus, &spheres, largest);
