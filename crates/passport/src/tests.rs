@@ -94,7 +94,7 @@ fn the_reference_integrator_and_the_solver_agree() {
     }
 }
 
-/// A rebound of e v with an attractive end, rolling friction 5/7 mu_r g, rolling down an incline with 5/7 g (sin - mu_r cos): within the
+/// A rebound of e v with an attractive end, rolling friction `5/7 mu_r g`, rolling down an incline with `5/7 g (sin - mu_r cos)`: within the
 /// band, for the arm is R - d/2 in the solver and the tangential spring has to load first.
 #[test]
 fn expected_numbers_are_those_of_closed_forms() {
@@ -308,7 +308,7 @@ fn faults_of_results_name_their_line() {
         let last = line.lines().count() + 1;
         match read(&format!("{head}{line}\n")).unwrap_err() {
             Error::Results { line, what, .. } => {
-                assert!(line == last && what.contains(word), "{line}: {what}")
+                assert!(line == last && what.contains(word), "{line}: {what}");
             }
             other => panic!("{other}"),
         }

@@ -70,7 +70,7 @@ impl Device for BulkDensity {
         check_size("apparatus.inner_diameter", self.inner_diameter)?;
         check_size("apparatus.height", self.height)?;
         let frequency = self.frequency();
-        if !(frequency >= 1.0 && frequency <= 100.0) {
+        if !(1.0..=100.0).contains(&frequency) {
             let requirement = "1 to 100 taps in a second";
             let value = format!("{frequency} 1/s");
             return Err(bad("apparatus.tap_frequency", value, requirement));

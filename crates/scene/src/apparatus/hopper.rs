@@ -221,12 +221,11 @@ impl Device for Hopper {
     fn bed_volume(&self) -> Option<f64> {
         let (outer, inner) = (self.radius(), self.opening());
         let (low, high) = (self.lower_height(), self.height.si());
-        Some(match self.depth {
-            Some(depth) => depth.si() * (2.0 * outer * high + (outer + inner) * low),
-            None => {
-                let squares = outer * outer + outer * inner + inner * inner;
-                PI * (outer * outer * high + squares * low / 3.0)
-            }
+        Some(if let Some(depth) = self.depth {
+            depth.si() * (2.0 * outer * high + (outer + inner) * low)
+        } else {
+            let squares = outer * outer + outer * inner + inner * inner;
+            PI * (outer * outer * high + squares * low / 3.0)
         })
     }
 
