@@ -74,7 +74,7 @@ SETS = {
 }
 
 # Sets that no scene can express yet, with the reason.
-LEFT_OUT = {"plastic spheres in a slot hopper": "no scene has a hopper"}
+LEFT_OUT = {"plastic spheres in a slot hopper": "no study yet"}
 
 
 def command(name):
