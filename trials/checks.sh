@@ -7,6 +7,7 @@ cd "$(dirname "$0")/.."
 ignored() { cargo test --release --locked -p "$1" "${@:3}" "$2" -- --ignored --nocapture; }
 
 case ${1:-} in
+    benches) ignored scene benches --test suite ;;
     camera-faults) ignored scene camera_faults --test suite ;;
     diagnosis-rates) ignored inference table_of_rates --test diagnosis ;;
     divergence) ignored simulators divergence --test scene_simulator ;;

@@ -182,7 +182,7 @@ fn conventions_that_are_read_in_another_way_are_named() {
 
 /// The same of each convention, halved and doubled; those that differ by less than the bands in these cases are reported as not shown.
 #[test]
-#[ignore = "some minutes"]
+#[ignore = "minutes; `trials/checks.sh passport`"]
 fn each_convention_that_is_read_in_another_way_is_named() {
     let named = names_each(|_| true, &[0.5, 2.0]);
     assert!(named >= 30, "only {named} are shown");
@@ -227,7 +227,7 @@ fn two_conventions_are_named_together() {
 
 /// Numbers that no three conventions explain, here spins of the wrong sign in one case, are unknown.
 #[test]
-#[ignore = "a minute"]
+#[ignore = "a minute; `trials/checks.sh passport`"]
 fn what_no_convention_explains_is_unknown() {
     let model = beads();
     let rows = of_small_cases(&model).unwrap();

@@ -72,7 +72,7 @@ fn a_hopper_flows_as_beverloo_says() {
 /// Openings of 5, 6.5 and 8 diameters: the exponent 5/2 makes `W^(2/5)` a line in D whose zero is k d, k 1.2 to 1.6 `[Beverloo1961]`; twice the
 /// head changes the flow by no more than two runs scatter, 6 %.
 #[test]
-#[ignore = "some minutes"]
+#[ignore = "minutes; `trials/checks.sh benches`"]
 fn openings_and_heads_of_a_hopper_obey_beverloo() {
     let flow = |outlet: &str, count: &str| {
         let changes = [
@@ -196,7 +196,7 @@ fn a_column_of_spheres_is_as_stiff_as_hertz_says() {
 /// Dry spheres have no cohesion: the ratio of steady shear stress to normal stress is that of friction alone, so that a line through two normal
 /// stresses meets the axis at 0, to a tenth of the lower shear stress, which one run of a small box scatters.
 #[test]
-#[ignore = "some minutes"]
+#[ignore = "minutes; `trials/checks.sh benches`"]
 fn dry_spheres_have_no_cohesion() {
     let stress = |normal: &str| {
         let changes = [("normal_stress", normal)];
