@@ -50,7 +50,7 @@ pub(crate) struct Arguments {
     common: Common,
 }
 
-/// What was written, as it stands in JSON.
+/// The written files, for JSON.
 #[derive(Debug, Serialize)]
 struct Written {
     /// Version, seed, inputs.
@@ -167,7 +167,7 @@ impl Source {
         let text = input::file::read_text(&file)
             .with_context(|| format!("cannot read the result {}", file.display()))?;
         let result = serde_json::from_str(&text)
-            .with_context(|| format!("{} is no result of a calibration", file.display()))?;
+            .with_context(|| format!("{} is not the result of a calibration", file.display()))?;
         Ok(Self {
             parameters: folder.join("parameters.toml"),
             result: Some((file, result)),
