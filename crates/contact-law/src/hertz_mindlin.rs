@@ -276,6 +276,15 @@ pub fn damping_ratio(restitution: f64) -> f64 {
     -log / log.hypot(std::f64::consts::PI)
 }
 
+/// Restitution of a damping ratio, the inverse of [`damping_ratio`]: `exp(-pi b / sqrt(1 - b²))`, 0 from 1 on.
+pub fn restitution(damping_ratio: f64) -> f64 {
+    if damping_ratio < 1.0 {
+        (-std::f64::consts::PI * damping_ratio / (1.0 - damping_ratio * damping_ratio).sqrt()).exp()
+    } else {
+        0.0
+    }
+}
+
 /// Dashpot of a contact over the root of stiffness times mass, `2 sqrt(5/6) b`.
 pub(crate) fn damping_factor(restitution: f64) -> f64 {
     2.0 * (5.0_f64 / 6.0).sqrt() * damping_ratio(restitution)

@@ -13,7 +13,7 @@ use crate::expected::{Expected, shift};
 use crate::model::Model;
 use crate::reference;
 use crate::variant::Variant;
-use contact_law::hertz_mindlin::damping_ratio;
+use contact_law::hertz_mindlin::{damping_ratio, restitution};
 use inference::diagnosis::{
     CovarianceInput, Diagnosis, Largest, Options, Problem, ProblemFile, RefittedModel, Sign,
     Verdict, diagnose,
@@ -578,7 +578,7 @@ fn put_in(value: Value, at: [bool; 2], model: &Model, factor: f64) -> String {
             Value::Friction => ("static friction", contact.static_friction / factor),
             Value::Restitution => (
                 "restitution",
-                restitution_of(damping_ratio(contact.restitution) / factor),
+                restitution(damping_ratio(contact.restitution) / factor),
             ),
             Value::Cohesion | Value::Modulus | Value::Derived => return None,
         };
@@ -593,14 +593,5 @@ fn put_in(value: Value, at: [bool; 2], model: &Model, factor: f64) -> String {
         ),
         Value::Modulus => format!("; multiply the moduli by {}", significant(1.0 / factor, 3)),
         _ => format!("; put in {}", values.join(" and ")),
-    }
-}
-
-/// Restitution of a damping ratio, 0 from 1 on.
-pub(crate) fn restitution_of(ratio: f64) -> f64 {
-    if ratio < 1.0 {
-        (-std::f64::consts::PI * ratio / (1.0 - ratio * ratio).sqrt()).exp()
-    } else {
-        0.0
     }
 }

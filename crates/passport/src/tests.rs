@@ -1,7 +1,7 @@
 //! The reference integrator beside the solver, the expected numbers beside closed forms, and each convention read in another way.
 
 use crate::case::cases;
-use crate::check::{check, restitution_of};
+use crate::check::check;
 use crate::convention::{CONVENTIONS, concerns};
 use crate::expected::{Expected, of_small_cases, shift};
 use crate::folder::{Passport, Validity, files, read_passport};
@@ -9,7 +9,6 @@ use crate::model::{Contact, Model};
 use crate::results::{read_results, template};
 use crate::variant::Variant;
 use crate::{Error, Packing, reference, solver};
-use contact_law::hertz_mindlin::damping_ratio;
 use contact_law::{Material, NormalForceEnd, RollingLever};
 use dem_solver::DashpotMass;
 use inference::diagnosis::Verdict;
@@ -370,12 +369,4 @@ fn packings_start_without_contacts() {
             }
         }
     }
-}
-
-#[test]
-fn restitution_is_the_inverse_of_the_damping_ratio() {
-    for restitution in [0.05, 0.5, 0.95] {
-        assert!((restitution_of(damping_ratio(restitution)) - restitution).abs() < 1e-12);
-    }
-    assert_eq!(restitution_of(1.2), 0.0);
 }

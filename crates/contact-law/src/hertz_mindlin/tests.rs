@@ -1,6 +1,6 @@
 use super::{
     ContactGeometry, HertzMindlin, NormalForceEnd, PairParameters, RateDependentFriction,
-    ViscoelasticDamping, damping_ratio,
+    ViscoelasticDamping, damping_ratio, restitution,
 };
 use crate::material::{EffectiveModuli, Material, effective_moduli};
 use nalgebra::Vector3;
@@ -208,6 +208,14 @@ fn impossible_moduli_are_refused() {
 fn damping_ratio_has_its_two_limits() {
     assert!((damping_ratio(0.0) - 1.0).abs() < 1e-15, "plastic");
     assert!(damping_ratio(1.0).abs() < 1e-15, "elastic");
+}
+
+#[test]
+fn restitution_is_the_inverse_of_the_damping_ratio() {
+    for e in [0.05, 0.5, 0.95] {
+        assert!((restitution(damping_ratio(e)) - e).abs() < 1e-12);
+    }
+    assert_eq!(restitution(1.2), 0.0);
 }
 
 #[test]

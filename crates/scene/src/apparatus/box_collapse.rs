@@ -136,11 +136,6 @@ impl Device for BoxCollapse {
         read_run_out(spheres, largest_radius)
     }
 
-    fn has_room(&self, centre: &Vector3<f64>, radius: f64) -> bool {
-        let [low, high] = self.room();
-        (0..3).all(|k| centre[k] - radius > low[k] && centre[k] + radius < high[k])
-    }
-
     fn room(&self) -> [Vector3<f64>; 2] {
         let half = 0.5 * self.width.si();
         [

@@ -3,7 +3,9 @@
 use super::NamedMesh;
 use super::device::Device;
 use super::heap::check_size;
-use super::shapes::{at_rest, between_circles, of_equal_area, within_prism};
+use super::shapes::{
+    at_rest, between_circles, is_in_cylinder, of_equal_area, room_of_cylinder, within_prism,
+};
 use crate::check::bad;
 use crate::phases::{End, Outlet, Phase, Plan, Seen};
 use crate::{Error, ObservableValues, Scene, SeedBody};
@@ -122,18 +124,15 @@ impl Device for BulkDensity {
     }
 
     fn room(&self) -> [Vector3<f64>; 2] {
-        let radius = self.circle();
-        [
-            Vector3::new(-radius, 0.0, -radius),
-            Vector3::new(radius, 2.0 * self.height.si(), radius),
-        ]
+        room_of_cylinder(self.circle(), 2.0 * self.height.si())
     }
 
     fn has_room(&self, centre: &Vector3<f64>, radius: f64) -> bool {
-        let inner = within_prism(of_equal_area(self.circle()));
-        centre.x.hypot(centre.z) + radius < inner
-            && centre.y > radius
-            && centre.y + radius < 2.0 * self.height.si()
+        is_in_cylinder(
+            (centre, radius),
+            within_prism(of_equal_area(self.circle())),
+            2.0 * self.height.si(),
+        )
     }
 
     fn radius(&self) -> f64 {

@@ -157,11 +157,6 @@ impl Device for Compression {
         ]
     }
 
-    fn has_room(&self, centre: &Vector3<f64>, radius: f64) -> bool {
-        let [low, high] = self.room();
-        (0..3).all(|k| centre[k] - radius > low[k] && centre[k] + radius < high[k])
-    }
-
     fn radius(&self) -> f64 {
         0.5 * self.length.si()
     }

@@ -35,10 +35,10 @@ pub(crate) trait Device {
         [Vector3::zeros(); 2]
     }
 
-    /// Whether a ball (centre and radius, m) in this region is clear of all walls.
+    /// Whether a ball (centre and radius, m) is clear of all walls; by default, within the region.
     fn has_room(&self, centre: &Vector3<f64>, radius: f64) -> bool {
-        let _ = (centre, radius);
-        false
+        let [low, high] = self.room();
+        (0..3).all(|k| centre[k] - radius > low[k] && centre[k] + radius < high[k])
     }
 
     /// Whether no ball of a radius (m) at these coordinates (m) can be inside.

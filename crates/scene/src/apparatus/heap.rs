@@ -1,7 +1,7 @@
 //! A heap on a floor: seeds in a cylinder that is lifted.
 
 use super::device::Device;
-use super::shapes::{between_circles, within_prism};
+use super::shapes::{between_circles, is_in_cylinder, room_of_cylinder, within_prism};
 use super::{NamedMesh, NamedWall};
 use crate::outline::read_round_heap;
 use crate::phases::{End, Phase, Plan};
@@ -103,18 +103,15 @@ impl Device for Heap {
     }
 
     fn has_room(&self, centre: &Vector3<f64>, radius: f64) -> bool {
-        let inner = within_prism(0.5 * self.inner_diameter.si());
-        centre.x.hypot(centre.z) + radius < inner
-            && centre.y > radius
-            && centre.y + radius < self.height.si()
+        is_in_cylinder(
+            (centre, radius),
+            within_prism(0.5 * self.inner_diameter.si()),
+            self.height.si(),
+        )
     }
 
     fn room(&self) -> [Vector3<f64>; 2] {
-        let radius = 0.5 * self.inner_diameter.si();
-        [
-            Vector3::new(-radius, 0.0, -radius),
-            Vector3::new(radius, self.height.si(), radius),
-        ]
+        room_of_cylinder(0.5 * self.inner_diameter.si(), self.height.si())
     }
 }
 

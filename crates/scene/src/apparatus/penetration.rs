@@ -2,7 +2,9 @@
 
 use super::device::Device;
 use super::heap::{check_size, floor};
-use super::shapes::{at_rest, between_circles, of_equal_area, within_prism};
+use super::shapes::{
+    at_rest, between_circles, is_in_cylinder, of_equal_area, room_of_cylinder, within_prism,
+};
 use super::{NamedMesh, NamedWall};
 use crate::check::bad;
 use crate::phases::{End, Phase, Plan, Seen};
@@ -122,17 +124,15 @@ impl Device for Penetration {
     }
 
     fn room(&self) -> [Vector3<f64>; 2] {
-        let radius = self.circle();
-        [
-            Vector3::new(-radius, 0.0, -radius),
-            Vector3::new(radius, self.height.si(), radius),
-        ]
+        room_of_cylinder(self.circle(), self.height.si())
     }
 
     fn has_room(&self, centre: &Vector3<f64>, radius: f64) -> bool {
-        centre.x.hypot(centre.z) + radius < within_prism(of_equal_area(self.circle()))
-            && centre.y > radius
-            && centre.y + radius < self.height.si()
+        is_in_cylinder(
+            (centre, radius),
+            within_prism(of_equal_area(self.circle())),
+            self.height.si(),
+        )
     }
 
     fn radius(&self) -> f64 {

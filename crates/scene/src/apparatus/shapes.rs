@@ -22,6 +22,23 @@ pub(super) fn of_equal_area(radius: f64) -> f64 {
     radius * (angle / angle.sin()).sqrt()
 }
 
+/// Region about the y axis: lower and upper corner of a cylinder of a radius that begins at y = 0, m.
+pub(super) fn room_of_cylinder(radius: f64, height: f64) -> [Vector3<f64>; 2] {
+    [
+        Vector3::new(-radius, 0.0, -radius),
+        Vector3::new(radius, height, radius),
+    ]
+}
+
+/// Whether a ball (centre and radius, m) is within a cylinder of an inner radius and a height about the y axis, m.
+pub(super) fn is_in_cylinder(
+    (centre, radius): (&Vector3<f64>, f64),
+    inner: f64,
+    height: f64,
+) -> bool {
+    centre.x.hypot(centre.z) + radius < inner && centre.y > radius && centre.y + radius < height
+}
+
 /// The surface between two circles about the y axis, each a radius and a height, m: a tube, a cone, a ring or a disc.
 pub(super) fn between_circles([r0, y0]: [f64; 2], [r1, y1]: [f64; 2]) -> Vec<Corners> {
     // Rows twice as long as a side is wide: compact triangles keep the contact search short.

@@ -1,7 +1,8 @@
 //! What the decks of all tools have in common: which drums they can run, and how conventions are converted.
 
 use crate::exchange::Error;
-use contact_law::{RollingLever, hertz_mindlin::damping_ratio};
+use contact_law::RollingLever;
+use contact_law::hertz_mindlin::{self, damping_ratio};
 use dem_solver::DashpotMass;
 use scene::{Apparatus, ContactSettings, Drum, Scene, SeedBody};
 use std::f64::consts::PI;
@@ -61,12 +62,7 @@ impl Shares {
 
 /// Restitution that gives, with the mass of the body, the dashpot of a share of that mass.
 pub(crate) fn restitution_of_body(restitution: f64, mass_share: f64) -> f64 {
-    let ratio = damping_ratio(restitution) * mass_share.sqrt();
-    if ratio < 1.0 {
-        (-PI * ratio / (1.0 - ratio * ratio).sqrt()).exp()
-    } else {
-        0.0
-    }
+    hertz_mindlin::restitution(damping_ratio(restitution) * mass_share.sqrt())
 }
 
 /// The dashpots that other codes have.

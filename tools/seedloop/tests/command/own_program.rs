@@ -66,7 +66,7 @@ fn a_program_of_the_user_is_calibrated() {
     assert_eq!(written(), before);
     assert_eq!(result["diagnosis"]["diagnosis"]["verdict"], "none");
     let said = text(&again.stdout);
-    assert!(said.contains("\ndiagnosis: "), "{said}");
+    assert!(said.contains("\ndiagnosis: Nothing is missing"), "{said}");
 }
 
 /// Three processes in one folder, as the tasks of a job array: each ends with the result of one process alone to the last bit, but
@@ -295,6 +295,10 @@ with open("#;
     );
     assert_code(&refused, 1);
     let said = text(&refused.stdout);
-    assert!(said.contains("refused: "), "{said}");
+    assert!(
+        said.contains("refused: the grains are too coarse")
+            && said.contains("times as large as real ones or finer"),
+        "{said}"
+    );
     assert!(!folder.path().join("refused/parameters.toml").exists());
 }

@@ -48,6 +48,7 @@ fn a_heap_that_its_own_rolling_torque_drives_is_no_heap_at_rest() {
     assert_eq!(json["regime"], "not steady");
     assert_eq!(json["steady"], false);
     let doubt = json["doubt"].as_str().unwrap();
+    assert!(doubt.contains("its own rolling torque"), "{doubt}");
     assert!(doubt.contains("spring-dashpot"), "{doubt}");
     assert!(told.contains(doubt), "{told}");
     assert!(!told.contains("Raise protocol.rotation_limit"), "{told}");
