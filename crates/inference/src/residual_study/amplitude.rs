@@ -21,6 +21,9 @@ const APART: f64 = 0.2;
 const STEPS: usize = 200;
 /// Bends that are tried on each side, times the largest amplitude: a response that saturates in a twentieth of it needs the last.
 const BENDS: [f64; 10] = [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 9.0, 13.0, 20.0];
+/// By how much the squares of a bend that agrees with the runs may exceed those of the best, over the variance of the runs: the quantile of
+/// chi-squared on one degree of freedom at 95 %.
+const LIKELY_BEND: f64 = 3.84;
 /// Halvings of a step to the end of the interval in it.
 const HALVINGS: usize = 30;
 
@@ -49,7 +52,8 @@ struct Node {
 ///
 /// With the whitened residuals `r_i` of the runs at the amplitudes `a_i`, the residual at an amplitude a is
 /// `r(a) = sum_i w_i(a) r_i`, the w of the line between its two neighbours, beyond the last of that through the last two: a straight
-/// line over the [`response`] that fits all amplitudes best. M takes off what parameters inside their bounds do, and `p = M sum_i v_i r_i` is what the effect does between two of the
+/// line over the [`response`], whose bend is not known: a bend agrees with the runs if its squares are at most by a quantile of chi-squared
+/// above those of the best, and an amplitude is accepted if it is with one of these bends. M takes off what parameters inside their bounds do, and `p = M sum_i v_i r_i` is what the effect does between two of the
 /// amplitudes. The runs of each mean have the covariance Q. At the true amplitude
 ///
 /// `z(a) = (p' M r(a) - k tr(M Q)) / sqrt(p'p + (s - 1) p' Q p + k^2 tr(M Q M Q))`, `k = v' C w`, `s = w' C w`
@@ -68,8 +72,8 @@ struct Curve {
     of_runs: DMatrix<f64>,
     /// Weight of each node in the direction.
     direction: Vec<f64>,
-    /// How the response bends, see [`response`].
-    bend: f64,
+    /// How the response may bend, see [`response`]; the first agrees best with the runs.
+    bends: Vec<f64>,
     /// Share of the noise that runs of one block do not share.
     own_noise: f64,
     quantile: f64,
@@ -85,8 +89,8 @@ struct Projected {
 }
 
 impl Curve {
-    /// Weights of the nodes at an amplitude.
-    fn weights(&self, a: f64) -> Vec<f64> {
+    /// Weights of the nodes at an amplitude, with one of the bends.
+    fn weights(&self, a: f64, bend: f64) -> Vec<f64> {
         let at = |i: usize| self.nodes[i].amplitude;
         let last = self.nodes.len() - 1;
         let apart =
@@ -99,7 +103,7 @@ impl Curve {
             let j = (1..=last).find(|&j| a <= at(j)).unwrap_or(last);
             (j - 1, j)
         };
-        let along = |a: f64| response(self.bend, a);
+        let along = |a: f64| response(bend, a);
         let share = (along(a) - along(at(i))) / (along(at(j)) - along(at(i)));
         let mut weights = vec![0.0; self.nodes.len()];
         weights[i] = 1.0 - share;
@@ -159,8 +163,18 @@ impl Curve {
         }
     }
 
+    /// The test at an amplitude with the bend that accepts it most easily.
     fn statistic(&self, a: f64, known: &mut Option<Projected>) -> f64 {
-        let weights = self.weights(a);
+        let each = self
+            .bends
+            .iter()
+            .map(|bend| self.with_bend(a, *bend, known));
+        each.min_by(|z, other| z.abs().total_cmp(&other.abs()))
+            .unwrap_or(0.0)
+    }
+
+    fn with_bend(&self, a: f64, bend: f64, known: &mut Option<Projected>) -> f64 {
+        let weights = self.weights(a, bend);
         let residual = self.mixed(&weights);
         let step = self.retuned(&residual);
         let free = |j: usize| self.ways[0][j] < step[j] && step[j] < self.ways[1][j];
@@ -199,7 +213,8 @@ impl Curve {
                 .filter(|a| range[0] < *a && *a < range[1]),
         );
         at.sort_by(f64::total_cmp);
-        let z: Vec<f64> = at.iter().map(|a| self.statistic(*a, known)).collect();
+        let best = self.bends.first().copied().unwrap_or(0.0);
+        let z: Vec<f64> = at.iter().map(|a| self.with_bend(*a, best, known)).collect();
         let crossing = |i: usize| {
             (z[i] * z[i + 1] <= 0.0 && z[i] != z[i + 1])
                 .then(|| at[i] + (at[i + 1] - at[i]) * z[i] / (z[i] - z[i + 1]))
@@ -208,7 +223,8 @@ impl Curve {
         let nearest = crossings.min_by(|a, b| (a - end).abs().total_cmp(&(b - end).abs()));
         let least = (0..at.len()).min_by(|&i, &j| z[i].abs().total_cmp(&z[j].abs()));
         let value = nearest.or(least.map(|i| at[i])).unwrap_or(end);
-        let accepted = |i: &usize| z[*i].abs() <= self.quantile;
+        let easiest: Vec<f64> = at.iter().map(|a| self.statistic(*a, known).abs()).collect();
+        let accepted = |i: &usize| easiest[*i] <= self.quantile;
         let mut interval95 = [value, value];
         let mut edge = |inside: f64, outside: Option<&f64>| {
             let Some(&outside) = outside else {
@@ -316,7 +332,7 @@ impl Fits<'_> {
 
     /// The setting of a model at another amplitude of an effect, the rest re-tuned as the runs along it promise.
     fn at_amplitude(&self, model: &Refitted, effect: usize, curve: &Curve, x: f64) -> Setting {
-        let step = curve.retuned(&curve.mixed(&curve.weights(x)));
+        let step = curve.retuned(&curve.mixed(&curve.weights(x, curve.bends[0])));
         let mut setting = model.end.setting.clone();
         let (of_parameters, of_effects) = step.as_slice().split_at(self.plan.parameters.len());
         let declared = setting.parameters.iter_mut().zip(&self.plan.parameters);
@@ -391,7 +407,7 @@ impl Fits<'_> {
         let dof = assemble::covariance_dof(plan, linear, &model.end.means);
         let mut curve = Curve {
             direction: vec![0.0; nodes.len()],
-            bend: 0.0,
+            bends: vec![0.0],
             own_noise: linear.own_noise(effect),
             of_runs: whitened_runs(plan, linear, &model.end.means, slopes.nrows())?,
             quantile: t_two_sided_quantile(0.05, dof).unwrap_or(f64::INFINITY),
@@ -426,14 +442,18 @@ impl Curve {
         self.direction[to] = -1.0;
     }
 
-    /// Takes the bend by which the amplitudes that were run agree best with the fraction of the direction that they show: none if these are
-    /// fewer than three.
+    /// Takes the bends with which the fractions of the direction that the amplitudes show agree with a straight line over the
+    /// [`response`], the best first: none if these are fewer than three.
     fn bend(&mut self, largest: f64) {
         if self.nodes.len() < 3 {
             return;
         }
         let free = vec![true; self.slopes.ncols()];
-        let along = self.projected(free).along;
+        let Projected {
+            along,
+            of_runs: [noise, ..],
+            ..
+        } = self.projected(free);
         let shown: Vec<f64> = self.nodes.iter().map(|n| -along.dot(&n.residual)).collect();
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         let missed = |bend: f64| {
@@ -447,7 +467,10 @@ impl Curve {
         };
         let bends = BENDS.iter().flat_map(|b| [b / largest, -b / largest]);
         let all = std::iter::once(0.0).chain(bends);
-        let best = all.min_by(|a, b| missed(*a).total_cmp(&missed(*b)));
-        self.bend = best.unwrap_or(0.0);
+        let mut each: Vec<(f64, f64)> = all.map(|bend| (missed(bend), bend)).collect();
+        each.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let most = each[0].0 + LIKELY_BEND * noise;
+        let agree = each.into_iter().take_while(|(missed, _)| *missed <= most);
+        self.bends = agree.map(|(_, bend)| bend).collect();
     }
 }
