@@ -92,7 +92,7 @@ pub fn calibrate(
     let remarks = [
         search.remarks.clone(),
         confirmed.remarks.clone(),
-        coarse_graining::remarks(&size_trends),
+        coarse_graining::remarks(problem, &size_trends),
         all_failures(problem, runs),
         states(problem, &checked.at_estimate),
         other_solutions(problem, &estimate).into_iter().collect(),

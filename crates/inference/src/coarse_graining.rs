@@ -120,7 +120,12 @@ fn too_uncertain(coarse: &CoarseGraining, trend: &SizeTrend) -> Option<String> {
     })
 }
 
-pub(crate) fn remarks(trends: &[SizeTrend]) -> Vec<String> {
+/// The shifts to the real size, and that two sizes cannot show a bend.
+pub(crate) fn remarks(problem: &CalibrationProblem, trends: &[SizeTrend]) -> Vec<String> {
+    let coarse = problem.coarse_graining.iter();
+    let unseen = coarse.filter(|coarse| coarse.factors.len() == 2).map(|_| {
+        "two sizes of the grains cannot show whether their trend is straight; a third in [coarse_graining] factors shows it".to_owned()
+    });
     let each = trends.iter().map(|t| {
         format!(
             "{} of {} shifts by {} +- {} from grains {} times as large to real ones; grains up to {} times as large keep that error \
@@ -133,5 +138,5 @@ pub(crate) fn remarks(trends: &[SizeTrend]) -> Vec<String> {
             significant(t.finest_allowed, 3)
         )
     });
-    each.collect()
+    each.chain(unseen).collect()
 }

@@ -108,6 +108,17 @@ fn the_trend_at_the_estimate_is_told() {
     assert!((0.7..=1.5).contains(&square), "{square}");
 }
 
+/// Any two values lie on a straight line, so that two sizes cannot show a bend, and three can.
+#[test]
+fn two_sizes_are_said_to_show_no_bend() {
+    let remarked = |factors: &[f64]| {
+        let remarks = drawn(1, factors).remarks;
+        remarks.iter().any(|remark| remark.contains("a third"))
+    };
+    assert!(remarked(&[3.0, 2.0]));
+    assert!(!remarked(&[3.0, 2.5, 2.0]));
+}
+
 /// A trend that is known too little for the error allowed is refused before fresh runs are made, and told with the size that would do:
 /// with it the error is what is allowed. 20 runs at a place of the design know the noise to 4 %, each side.
 #[test]
