@@ -39,6 +39,10 @@ const TURN_OF_STEP: f64 = 0.0025;
 /// Contacts of a seed in a bed: as many as spheres of one size can touch one of them.
 const CONTACTS_AT_REST: f64 = 12.0;
 
+/// Contacts of a seed of several spheres whose dashpots damp at their most at a time. With twelve a drum shows the same and costs
+/// nearly twice as much (docs/time-step.md).
+const DAMPING_AT_REST: f64 = 6.0;
+
 /// Share of the time step at which viscous bridges become unstable. A dashpot of c between a mass m and the world is stable up to
 /// `2 m / c`; between bodies of one mass, with twelve of them on each, up to `m / (12 c)`, and less beside the springs of
 /// the contacts.
@@ -239,8 +243,8 @@ impl AtRest {
     /// `dt = 2 X (sqrt(1 + z²) - z) / w` with `w² = 12 k_t / (2/7 m)`: what is [stable](hard_contact::stable_share) for a sphere held
     /// at twelve contacts. `k_t = 8 G* sqrt(R d)` is their stiffness along the surface at the [load at rest](RestLoad::of). X is 1,
     /// or 0.7 for seeds of one sphere with a rolling friction of type A (docs/time-step.md). z is 0 unless dashpots know the
-    /// whole seed, a share s of it, and for seeds of one sphere in a bed under its own weight: twelve of `c_t = 2 sqrt(5/6) b sqrt(k_t m/2)` give `z = 12 s c_t / (2 sqrt(12 k_t 2/7 m)) = s b
-    /// sqrt(5/6 12 7/4)`.
+    /// whole seed, a share s of it, and for seeds of one sphere in a bed under its own weight: n of `c_t = 2 sqrt(5/6) b sqrt(k_t m/2)`
+    /// give `z = n s c_t / (2 sqrt(12 k_t 2/7 m)) = s b n sqrt(5/6 7/4 / 12)`, n six for seeds of several spheres and twelve for one.
     ///
     /// `dt = 0.0025 sqrt(P r I) / (12 T)`: the change of the spin by twelve torques T, each that which the attraction of a
     /// contact gives, is 0.0025 of the spin `sqrt(P r / I)` that the load P gives on a way of the bounding radius r; I is the least
@@ -286,10 +290,10 @@ impl AtRest {
 fn damping_at_rest(scene: &Scene, seed: &SeedSettings, body: &SeedBody) -> f64 {
     let is_sphere = body.outer.spheres().len() == 1;
     // A loaded wall keeps a bed at its stiffest for the whole time. Under its own weight alone the rule of X was found to hold.
-    let share = match (is_sphere, scene.apparatus.device().greatest_stress() > 0.0) {
-        (true, true) => 1.0,
-        (true, false) => 0.0,
-        (false, _) => whole_damping(scene),
+    let is_loaded = scene.apparatus.device().greatest_stress() > 0.0;
+    let [share, contacts] = match is_sphere {
+        true => [f64::from(u8::from(is_loaded)), CONTACTS_AT_REST],
+        false => [whole_damping(scene), DAMPING_AT_REST],
     };
     if share == 0.0 {
         return 0.0;
@@ -300,7 +304,8 @@ fn damping_at_rest(scene: &Scene, seed: &SeedSettings, body: &SeedBody) -> f64 {
         let contact = scene.contact_of(a, b)?;
         Some(damping_ratio(contact.restitution.get()))
     });
-    share * (5.0 / 6.0 * CONTACTS_AT_REST * 7.0 / 4.0).sqrt() * ratios.fold(0.0, f64::max)
+    let of_contacts = contacts * (5.0 / 6.0 * 7.0 / 4.0 / CONTACTS_AT_REST).sqrt();
+    share * of_contacts * ratios.fold(0.0, f64::max)
 }
 
 /// Share of the damping of the whole seed in the dashpots.
