@@ -112,7 +112,7 @@ apparatus! {
 pub(crate) struct BenchTest<'a> {
     /// Material of the plate.
     pub(crate) plate: &'a str,
-    /// Name of the kind of seed; the first where none is named.
+    /// Name of the kind of seed; the first kind if `None`.
     pub(crate) seed: Option<&'a str>,
     /// Number of repeats.
     pub(crate) repeats: usize,

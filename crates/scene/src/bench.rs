@@ -45,7 +45,7 @@ struct BenchParts {
 }
 
 impl BenchParts {
-    /// What a test takes from its scene; the seeds' own material stands for a plate of seeds.
+    /// What a test takes from its scene. A plate with the material of the seeds is a plate of seeds.
     ///
     /// # Errors
     ///
@@ -156,7 +156,7 @@ impl Repeat {
     }
 }
 
-/// Runs the bench test of a scene; none where its apparatus is no bench test.
+/// Runs the bench test of a scene; `None` if its apparatus is not a bench test.
 ///
 /// # Errors
 ///
@@ -253,7 +253,7 @@ impl Scene {
         }
     }
 
-    /// The kind of seed of a bench test: the first where none is named.
+    /// The kind of seed of a bench test: the first if the apparatus names none.
     ///
     /// # Errors
     ///

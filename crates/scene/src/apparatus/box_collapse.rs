@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// The box from x = 0 to `length`, its floor y = 0, its sides at plus and minus half of `width`. The
-/// gate closes it at x = `length`; the sides and the floor go on behind the gate.
+/// gate closes it at x = `length`; the sides and the floor continue behind the gate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BoxCollapse {

@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Drop {
-    /// Material of the plate; that of the seed itself stands for a plate covered with glued seeds.
+    /// Material of the plate; the material of the seed itself means a plate covered with glued seeds.
     pub plate: String,
-    /// Name of the kind of seed; the first of the scene where absent.
+    /// Name of the kind of seed; the first of the scene if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seed: Option<String>,
     /// Number of drops.

@@ -52,11 +52,11 @@ pub const OBSERVABLES_OF_PICTURES: [&str; 9] = [
     "fluctuation_deg",
 ];
 
-/// Observables of a drum that the places of its spheres give, velocities unknown: without these there is no slip of seeds, and
-/// where the bed is never carried along no time of waiting.
+/// Observables of a drum that follow from the positions of its spheres alone. Without velocities there is no slip of seeds, and
+/// no waiting time if the bed is never carried along.
 pub const OBSERVABLES_OF_A_BED: &[&str] = DRUM_OBSERVABLES.split_at(19).0;
 
-/// A shell and two covers that turn together where nothing else is said; in the study about a level axis at one speed.
+/// A shell and two covers, which turn together by default; in the study about a level axis at one speed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Drum {
@@ -83,10 +83,10 @@ pub struct Drum {
     /// Time after which the drum turns the other way, again and again; never where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reverse_every: Option<Time>,
-    /// Unsteadiness of the drive; none where absent.
+    /// Unsteadiness of the drive; `None` if the speed is steady.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ripple: Option<Ripple>,
-    /// Radial plates on the shell; none where absent.
+    /// Radial plates on the shell; `None` if it is smooth.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lifters: Option<Lifters>,
 }

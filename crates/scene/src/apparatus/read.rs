@@ -1,4 +1,4 @@
-//! An apparatus as it stands in a file.
+//! Reading of an apparatus from the table of a file.
 
 use super::{Apparatus, KINDS};
 use serde::de::{DeserializeOwned, Error};
@@ -15,7 +15,7 @@ impl<'de> Deserialize<'de> for Apparatus {
             Some(Value::String(kind)) => kind,
             Some(other) => {
                 return Err(refused(format!(
-                    "kind = {other} is no name of an apparatus"
+                    "kind = {other} is not the name of an apparatus"
                 )));
             }
             None => return Err(refused("kind is missing".to_owned())),

@@ -1,4 +1,4 @@
-//! The drop: a seed falls on a plate, and its rebound tells the restitution.
+//! The drop: a seed falls on a plate, and the height of its rebound gives the restitution.
 
 use super::plate::{Plate, lowest, moved, of_tape};
 use super::{BenchParts, Repeat};
@@ -26,8 +26,8 @@ const REST: f64 = 0.02;
 /// Directions in which the least reach of a seed is sought; neighbours are 7 degrees apart.
 const DIRECTIONS: u32 = 1000;
 
-/// Restitution of `repeats` drops from a height (m), each in a random orientation; on seeds, on a plate laid
-/// anew, over a random place within half a seed of its middle.
+/// Restitution of `repeats` drops from a height (m), each in a random orientation. A plate of seeds is laid
+/// again for each drop, and the seed falls at a random place within half a seed of its middle.
 ///
 /// As on the bench: e = sqrt(H2 / H1). H1 is the height from which the seed falls until it first touches
 /// the plate. H2 is how far its lowest point rises above where that was at the first touch, at its highest

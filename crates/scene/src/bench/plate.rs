@@ -215,8 +215,7 @@ pub(super) fn highest(spheres: &[Sphere]) -> f64 {
     extent(spheres, 1)[1]
 }
 
-/// Shift along an axis, m, at which spheres that come from its positive end first touch others; none where
-/// they pass by.
+/// Shift along an axis, m, at which spheres that come from its positive end first touch others; `None` if they pass by.
 fn touching_shift(moving: &[Sphere], others: &[Sphere], axis: usize) -> Option<f64> {
     let mut shift: Option<f64> = None;
     for b in others {

@@ -27,7 +27,7 @@ const TIMES: [f64; 2] = [0.15, 0.6];
 /// while sliding.
 ///
 /// The seeds lie flat (their shortest axis upright) and touch each other, turned at random about the
-/// vertical. The sled cannot turn and goes on evenly: it is held by a tractor, as on the bench. It weighs ten times its seeds.
+/// vertical. The sled cannot turn and moves at constant speed: a tractor holds it, as on the bench. It weighs ten times its seeds.
 /// Nothing but contacts and friction takes energy.
 ///
 /// # Formula

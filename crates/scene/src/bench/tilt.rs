@@ -43,18 +43,18 @@ const TRIES: usize = 10;
 /// rolling friction of type A, which holds nothing at rest: what it resists at most is overcome at this spin.
 const CREEP: f64 = SMALL_SPIN;
 
-/// Tangent of the starting angle for `repeats` seeds, and whether each slid instead of rolling; then the angle
-/// tells the static friction. The starting angle is that at which the seed last crept or rested before it rolled or slid
-/// away, not that of the plate when this shows.
+/// Tangent of the starting angle for `repeats` seeds, and whether each slid instead of rolling, in which case the angle
+/// gives the static friction. The starting angle is the last at which the seed crept or rested before it rolled or slid
+/// away, not the angle at which the motion is detected.
 ///
 /// The long axis lies across the slope, as on the bench; the seed is turned about it at random and
-/// comes to rest before the plate is tilted. A plate of seeds is laid anew for each, and the seed put on it
-/// at a random place within half a seed of its middle. A seed that holds on at 80 degrees, wedged between
-/// others, is put anew, as one would on the bench; the repeat counts it.
+/// comes to rest before the plate is tilted. A plate of seeds is laid again for each repeat, and the
+/// seed put on it at a random place within half a seed of its middle. A seed that still rests at 80 degrees, wedged between
+/// others, is placed again, as one would on the bench; the repeat counts it.
 ///
 /// # Errors
 ///
-/// A solver that stops, a seed that holds on on a smooth plate, or ten one after the other on seeds.
+/// A solver that stops; a seed that never starts on a smooth plate, or ten in a row on a plate of seeds.
 pub(super) fn tilt(parts: &BenchParts, repeats: usize, seed: u64) -> Result<Vec<Repeat>, Error> {
     let mut stream = Stream::new(seed, "tilt test");
     let mut one_that_starts = |repeat| {
@@ -76,8 +76,8 @@ pub(super) fn tilt(parts: &BenchParts, repeats: usize, seed: u64) -> Result<Vec<
     (1..=repeats).map(&mut one_that_starts).collect()
 }
 
-/// One seed, turned by an angle (rad) about its long axis, aside of the middle of the plate (m); none where it
-/// holds on.
+/// One seed, turned by an angle (rad) about its long axis, aside of the middle of the plate (m); `None` if it
+/// never starts.
 fn one(
     parts: &BenchParts,
     plate: &Plate,
