@@ -89,7 +89,7 @@ impl BedMotion {
     }
 }
 
-/// What tells the forms apart.
+/// Measures that distinguish the forms of motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionEvidence {
     /// R w^2 / g.
@@ -98,11 +98,11 @@ pub struct MotionEvidence {
     pub shell_slip: f64,
     /// Share of the time in which the bed is carried round.
     pub carried_share: f64,
-    /// Mean duration of being carried, s; none where the bed never is.
+    /// Mean time for which the bed is carried round, s; `None` if it never is.
     pub waiting_time: Option<f64>,
-    /// Mean share of seeds that touch nothing; none where that is not known (bonded seeds).
+    /// Mean share of seeds without a contact; `None` for bonded seeds, whose contacts are not counted.
     pub airborne_share: Option<f64>,
-    /// Mean S shape of the surface; none where it was not read.
+    /// Mean S shape of the surface; `None` if it was not read.
     pub s_shape: Option<f64>,
 }
 

@@ -28,11 +28,11 @@ pub(crate) struct Built {
     pub(crate) limits: HealthLimits,
     /// Time steps of its phases.
     pub(crate) time_steps: TimeSteps,
-    /// What makes the seeds; none where all are there from the start.
+    /// What makes the seeds; `None` if all are there from the start.
     pub(crate) factory: Option<Factory>,
-    /// What holds the spheres of the seeds together; none where the seeds are rigid.
+    /// What holds the spheres of the seeds together; `None` if the seeds are rigid.
     pub(crate) bonds: Option<BondedSeeds>,
-    /// Numbers of the seeds by their places in the world, as far as it was sorted; empty where each stands in its own.
+    /// Numbers of the seeds by their places in the world, once it was sorted; empty if each has its own.
     pub(crate) numbers: Vec<usize>,
 }
 
@@ -195,7 +195,7 @@ fn index_of(names: &[&str], name: &str) -> usize {
 ///
 /// # Errors
 ///
-/// A sphere that is no body.
+/// A sphere that cannot be a body.
 fn single_spheres(
     scene: &Scene,
     bodies: &[Arc<SeedBody>],

@@ -25,8 +25,7 @@ impl Scene {
         self.problems().into_iter().next().map_or(Ok(()), Err)
     }
 
-    /// All that is invalid: settings out of range, names that refer to nothing, contacts that nobody
-    /// states. Invalid values are told with the file.
+    /// All that is invalid: settings out of range, names that refer to nothing, and missing contacts. The errors name the file.
     pub fn problems(&self) -> Vec<Error> {
         let mut found = Vec::new();
         self.check_protocol(&mut found);
@@ -156,7 +155,7 @@ impl Scene {
             && !(time.si() > 0.0 && time.si() <= MOST_PAIR_INTERVAL)
         {
             let requirement =
-                "above 0, at most 50 ms: the seeds go on for so long with the speed that they have";
+                "above 0 and at most 50 ms, since the seeds are taken to keep their speed for this time";
             found.push(bad("camera.pair_interval", time.to_string(), requirement));
         }
         if let Some(error) = self.camera.max_angle_error
@@ -391,7 +390,7 @@ impl Scene {
         }
     }
 
-    /// What is wrong with the name of a material; none where it is defined.
+    /// The error of a material that is not defined; `None` if it is.
     pub(crate) fn undefined(&self, material: &str) -> Option<Error> {
         let known: Vec<_> = self.material.keys().map(String::as_str).collect();
         (!self.material.contains_key(material)).then(|| Error::Undefined {

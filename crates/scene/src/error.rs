@@ -1,4 +1,4 @@
-//! What can be wrong with a scene or a run.
+//! Errors of a scene and of a run.
 
 use std::path::PathBuf;
 
@@ -19,7 +19,7 @@ pub enum Error {
     Text {
         /// The file.
         file: String,
-        /// Line, column, what is wrong and what is expected.
+        /// Line, column, fault, and what is expected.
         message: String,
     },
     /// A setting has no such name.
@@ -32,7 +32,7 @@ pub enum Error {
         /// What could be meant: the name here of what another code calls so, or settings with a like name.
         near: String,
     },
-    /// A short name stands for several settings.
+    /// A short name fits several settings.
     #[error("'{name}' may mean {candidates}; write the whole path")]
     AmbiguousSetting {
         /// The name given.
@@ -70,7 +70,7 @@ pub enum Error {
         file: String,
         /// Name of the seed.
         seed: String,
-        /// What is wrong, and the way out.
+        /// The fault and its remedy.
         problem: String,
     },
     /// A value is invalid.
@@ -189,12 +189,12 @@ pub enum Error {
         /// Why.
         reason: String,
     },
-    /// A run was told to end before its end.
+    /// A run was asked to stop before its end.
     #[error("{file}: the run was stopped at {time:.2} s")]
     Stopped {
         /// The scene.
         file: String,
-        /// How far it was, s.
+        /// Simulated time at which it stopped, s.
         time: f64,
     },
     /// A run has left what can be believed.
@@ -202,7 +202,7 @@ pub enum Error {
     Unhealthy {
         /// The scene.
         file: String,
-        /// What was found, where and when, and the way out.
+        /// What was found, where and when, and the remedy.
         source: dem_solver::Error,
     },
     /// A run has left what can be believed at each time step that was tried.
@@ -219,7 +219,7 @@ pub enum Error {
     /// A frame cannot be drawn.
     #[error(transparent)]
     Render(#[from] frame_render::Error),
-    /// A frame cannot be measured at all (a refusal is no error).
+    /// A frame cannot be measured at all (a refusal is not an error).
     #[error(transparent)]
     Photo(#[from] photo_profile::Error),
 }

@@ -22,7 +22,7 @@ pub struct SeedBody {
     pub spheres: Vec<geometry::clump::Sphere>,
     /// Volume of the seed, m³: of the shape, or of the union of the spheres where these are the shape.
     pub volume: f64,
-    /// The shape that the spheres stand for; none where the spheres are the shape.
+    /// The shape that the spheres approximate; `None` if the spheres are the shape.
     pub shape: Option<FilledShape>,
     /// Density of the spheres by the study's eq. (9), kg/m³.
     pub fraction_density: f64,

@@ -22,7 +22,7 @@ pub struct FlowingLayer {
 /// `direction` is the direction of the centre of mass from straight down (rad): the surface is taken
 /// as perpendicular to it. Seeds within a quarter of the radius of the middle are sorted by depth in
 /// layers of one seed radius; the depth of the layer is where the mean velocity downhill falls to
-/// 0, by straight lines between the layers. None where nothing flows, or fewer than three layers.
+/// 0, by straight lines between the layers. `None` if fewer than three layers flow.
 pub fn flowing_layer(
     frame: &Frame,
     bodies: &[Arc<SeedBody>],
@@ -65,7 +65,7 @@ pub fn flowing_layer(
 }
 
 /// Share of the drum's cross-section that the bed takes in a frame: the cells within it whose density is more than half of
-/// the bulk density. None where there is no bed.
+/// the bulk density. `None` if the drum has no bed.
 pub fn fill_level(frame: &Frame, bodies: &[Arc<SeedBody>], radius: f64) -> Option<f64> {
     let drum = DrumCircle {
         x: 0.0,
@@ -87,8 +87,8 @@ pub fn fill_level(frame: &Frame, bodies: &[Arc<SeedBody>], radius: f64) -> Optio
 
 /// Period of a series: the first highest lag of its autocorrelation behind the first one below 0.
 ///
-/// None where the series is too short (four periods must fit), or where nothing repeats (less than
-/// 0.2 of correlation). `interval` is the time between values, s.
+/// `None` if the series is too short (four periods must fit) or does not repeat (correlation below
+/// 0.2). `interval` is the time between values, s.
 pub fn avalanche_period(series: &[f64], interval: f64) -> Option<f64> {
     let n = series.len();
     let mean = series.iter().sum::<f64>() / n as f64;

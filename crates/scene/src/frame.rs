@@ -30,10 +30,10 @@ pub struct Frame {
 pub struct FrameReading {
     /// Reading of the picture.
     pub photo: PhotoReading,
-    /// Reading of the positions of the spheres, the cross-check; none where it was refused.
+    /// Reading of the positions of the spheres, the cross-check; `None` if it was refused.
     pub position: Option<SurfaceAngle>,
-    /// Speed of the surface by this picture and one that was taken a little later, downhill positive, m/s, or why there is none;
-    /// none where no second picture is taken.
+    /// Speed of the surface by this picture and one taken a little later, downhill positive, m/s, or why it cannot be read;
+    /// `None` without a second picture.
     pub surface_speed: Option<Result<f64, NoShift>>,
 }
 

@@ -47,8 +47,7 @@ pub trait Keeper {
         false
     }
 
-    /// Hears that an attempt has left what can be believed, and that the run begins anew with half the step. No state kept
-    /// before counts any longer.
+    /// Is called if an attempt has diverged and the run starts again with half the step. States kept before are void.
     ///
     /// # Errors
     ///

@@ -176,7 +176,7 @@ impl Scene {
 }
 
 impl Protocol {
-    /// What a time step (s) must be, where it is none that the run can have; none where it can.
+    /// The requirement that a time step (s) violates; `None` if the run can use it.
     pub(crate) fn limit_of_step(&self, step: f64) -> Option<String> {
         if step.is_nan() || step > SERIES_INTERVAL {
             return Some("at most 20 ms, the time after which the bed is looked at".into());

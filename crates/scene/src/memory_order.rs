@@ -12,7 +12,7 @@ const INTERVAL: f64 = 0.2;
 
 impl Built {
     /// Whether the bodies are sorted when the world has come from one time to another, s. It follows from the world alone,
-    /// so that a run that goes on from where it was left sorts at the same times.
+    /// so that a continued run sorts at the same times.
     pub(crate) fn is_to_be_sorted(&self, [before, now]: [f64; 2]) -> bool {
         // Bonds name the bodies that they hold.
         self.bonds.is_none()

@@ -21,7 +21,7 @@ pub(crate) const SERIES_INTERVAL: f64 = 0.02;
 /// Kinetic energy of a seed at rest over the energy of a fall by its own size.
 const AT_REST: f64 = 1e-4;
 
-/// How far a run has come: all that it goes on from.
+/// The state of a run between two steps: all that it needs to continue.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
     world: Snapshot,
@@ -33,7 +33,7 @@ pub struct Progress {
     series: Vec<SeriesPoint>,
     /// Frames, each with the number of values of the series before it.
     frames: Vec<(usize, Frame)>,
-    /// Bonds that have broken, by their number; none where seeds are rigid.
+    /// Numbers of the bonds that have broken; empty if the seeds are rigid.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     broken: Vec<usize>,
     /// Numbers of the seeds by their places in the world, where it was sorted.
