@@ -17,7 +17,7 @@ pub enum SettingKind {
     Switch,
 }
 
-/// A setting of a scene that a name stands for.
+/// A setting of a scene, found by its name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedSetting {
     /// Its dotted path.
@@ -26,12 +26,12 @@ pub struct NamedSetting {
     pub unit: Option<&'static str>,
     /// What it takes.
     pub kind: SettingKind,
-    /// What stands there; an empty text for a quantity that the scene leaves out.
+    /// Its value; an empty text for a quantity that the scene omits.
     pub value: Value,
 }
 
 impl Scene {
-    /// The setting that a dotted path or an unambiguous short name stands for.
+    /// Finds a setting by its dotted path or an unambiguous short name.
     ///
     /// # Errors
     ///

@@ -24,7 +24,7 @@ pub struct WallSettings {
     pub mesh_unit: trimesh::LengthUnit,
     /// Name of the material.
     pub material: String,
-    /// Shift of the mesh: x, y, z. None where absent.
+    /// Shift of the mesh: x, y, z; not shifted if `None`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position: Option<[Length; 3]>,
     /// Velocity: x, y, z.
@@ -65,8 +65,8 @@ impl WallSettings {
             + self.vibration.as_ref().map_or(0.0, swing)
     }
 
-    /// Refuses a wall that stays where no seed can be: all of it outside the ball about a drum or a device. From an open floor
-    /// seeds roll away.
+    /// Refuses a wall that no seed can reach: all of it is outside the ball about a drum or a device. On an open floor
+    /// seeds can roll away, so every place can be reached.
     fn check_place(&self, scene: &Scene, triangles: &[[Vector3<f64>; 3]]) -> Result<(), Error> {
         if !scene.apparatus.is_turned() {
             return Ok(());

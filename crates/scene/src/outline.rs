@@ -90,12 +90,12 @@ pub(crate) struct Outline {
     start: f64,
     /// Width of a column, m.
     width: f64,
-    /// Heights, m; 0 where there is nothing.
+    /// Heights, m; 0 in an empty column.
     heights: Vec<f64>,
 }
 
 impl Outline {
-    /// The outline of spheres over the floor y = 0; none where there is no sphere.
+    /// The outline of spheres over the floor y = 0; `None` without spheres.
     pub(crate) fn of(spheres: &[Sphere], view: View, width: f64) -> Option<Self> {
         let across = |c: &Vector3<f64>| match view {
             View::AlongZ => c.x,
@@ -261,7 +261,7 @@ mod tests {
 
     /// Two layers of touching spheres of 2 mm, the lower up to 30 mm and the upper up to 19.8 mm, with a hollow of one sphere's
     /// half in it, and two spheres far ahead: the deposit ends with the upper layer, to a column of 0.5 mm, though the
-    /// outline goes on. A heap that ends at a wall ends there.
+    /// outline continues. A heap that ends at a wall ends there.
     #[test]
     fn a_deposit_ends_where_seeds_no_longer_lie_on_seeds() {
         let at = |x: f64, y: f64| Sphere {

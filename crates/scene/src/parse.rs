@@ -37,7 +37,7 @@ impl Override {
 /// Time step of the solver.
 const TIME_STEP: &str = "protocol.time_step";
 
-/// Quantities that can be set where the file leaves them out and no default stands there.
+/// Quantities without a default that can be set although the file omits them.
 const LEFT_OUT_QUANTITIES: [&str; 8] = [
     TIME_STEP,
     "protocol.start_up",
@@ -120,7 +120,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// A file that cannot be read, text that is no scene, invalid settings: the first of
+    /// A file that cannot be read, text that is not a scene, invalid settings: the first of
     /// [`Self::read_all`].
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, Error> {
         Self::from_text(&text_of(path)?, &name_of(path), &folder_of(path), overrides)
@@ -130,7 +130,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// A file that cannot be read, text that is no scene, a mesh that cannot be read, each alone; or all
+    /// A file that cannot be read, text that is not a scene, a mesh that cannot be read, each alone; or all
     /// [`Self::problems`].
     pub fn read_all(path: &Path, overrides: &[Override]) -> Result<Self, Vec<Error>> {
         let alone = |error| vec![error];
@@ -149,7 +149,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// Text that is no scene, invalid settings.
+    /// Text that is not a scene, invalid settings.
     pub fn from_text(
         text: &str,
         file: &str,
@@ -183,7 +183,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// The scene with what does not stand in its text; volumes of `known` seeds are not measured anew.
+    /// The scene with what its text does not contain; volumes of `known` seeds are not measured again.
     fn completed(
         mut self,
         file: &str,
@@ -229,7 +229,7 @@ impl Scene {
         }
     }
 
-    /// The number of a setting by its dotted path; none where nothing stands there, or no plain number.
+    /// The number of a setting by its dotted path; `None` if it is absent or not a plain number.
     pub fn number(&self, path: &str) -> Option<f64> {
         match setting_at(&self.table().ok()?, path)? {
             Value::Integer(number) => Some(*number as f64),
@@ -247,7 +247,7 @@ impl Scene {
     }
 }
 
-/// The message of an error, with the way out if the line is no TOML by a usual slip, or a key is that of another code.
+/// The message of an error, with the remedy if the line has a usual slip of TOML, or a key is that of another code.
 fn with_way_out(text: &str, error: &toml::de::Error) -> String {
     let told = error.to_string();
     if toml::from_str::<Table>(text).is_ok() {
@@ -273,7 +273,7 @@ fn way_out_of_key(told: &str) -> Option<String> {
     way_out(name, |key| expected.contains(&format!("`{key}`")))
 }
 
-/// What a name that is no setting may have meant, of all the names that there are.
+/// Hint for a name that is not a setting: the existing names that are similar.
 fn meant(all: &[String], name: &str) -> String {
     let (section, last) = name.rsplit_once('.').unwrap_or(("", name));
     let is_there = |key: &str| match section {
@@ -302,7 +302,7 @@ fn folder_of(path: &Path) -> PathBuf {
     path.parent().unwrap_or(Path::new("")).to_owned()
 }
 
-/// Settings that can be set where a scene leaves them out and no default stands there, each with a value of its kind.
+/// Settings without a default that can be set although the scene omits them, each with a value of its kind.
 pub(crate) fn left_out(table: &Table) -> Vec<(String, Value)> {
     let contacts = table.get("contact").and_then(Value::as_table);
     let pairs = contacts.into_iter().flat_map(Table::keys);
@@ -407,7 +407,7 @@ fn apply(table: &mut Table, change: &Override, file: &str) -> Result<(), Error> 
     Ok(())
 }
 
-/// The path that a whole or short name stands for.
+/// The path of a setting given by its whole or short name.
 pub(crate) fn whole_path(table: &Table, name: &str, file: &str) -> Result<String, Error> {
     let mut all = leaves(table);
     all.extend(left_out(table).into_iter().map(|(path, _)| path));

@@ -58,7 +58,7 @@ pub struct TimeSpent {
     /// Time of the call by the clock, s; small where records were found again.
     pub wall_s: f64,
     /// Time of the call in which its threads computed no run, s: they waited for the last of a stage, and surfaces were
-    /// fitted. None where a batch system does the runs.
+    /// fitted. `None` if a batch system does the runs.
     pub waiting_s: Option<f64>,
 }
 

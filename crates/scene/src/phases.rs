@@ -57,7 +57,7 @@ impl Plan {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Phase {
     pub(crate) name: String,
-    /// Motions that begin with the phase, by the name of the wall; other walls go on as before.
+    /// Motions that begin with the phase, by the name of the wall; other walls keep their motion.
     pub(crate) motions: Vec<(&'static str, Motion)>,
     /// Walls that are taken away at its start.
     pub(crate) removed: Vec<&'static str>,

@@ -101,9 +101,9 @@ pub(crate) struct Room<'a> {
 ///
 /// Places are the points of a cubic grid, filled from the bottom up, with a small random offset;
 /// at each the orientation is drawn until the body is clear of walls and of bodies placed before.
-/// The grid is made finer until all bodies have a place. Where no grid has enough, as with bodies of unlike sizes, they are
-/// inserted one after another at random places, the largest first, and shaken where they leave no room: by their capsules,
-/// and where these are too large, as about flat bodies, by their spheres.
+/// The grid is made finer until all bodies have a place. If no grid has enough, as with bodies of unlike sizes, they are
+/// inserted one after another at random places, the largest first, and shaken if they leave no room: by their capsules or,
+/// if these are too large, as about flat bodies, by their spheres.
 ///
 /// # Errors
 ///
@@ -220,7 +220,7 @@ fn fill_grid(
     result
 }
 
-/// Draws places (m) and orientations until the body fits; what is said of the one that does.
+/// Draws places (m) and orientations until the body fits; returns the answer of `fits` for that one.
 pub(crate) fn try_place<T>(
     capsule: Capsule,
     mut draw: impl FnMut(&mut Stream) -> Vector3<f64>,

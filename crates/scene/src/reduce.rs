@@ -38,7 +38,7 @@ impl Scene {
     }
 
     /// The scene without seeds, materials, contacts and settings of protocol and camera that cannot change its
-    /// run, and with masses and numbers of seeds in place of what they follow from: its run is the same to
+    /// run, and with masses and numbers of seeds instead of what they follow from. Its run is the same to
     /// the last bit, and scenes that differ in nothing else become equal.
     ///
     /// Effects that drift over a session must be applied before: the session itself moves nothing.

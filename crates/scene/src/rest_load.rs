@@ -24,7 +24,7 @@ pub(crate) struct RestLoad {
     pub(crate) shear: f64,
     /// Whether anything that the seed touches hinders its rolling by a torque of type A.
     pub(crate) rolls_with_constant_torque: bool,
-    /// Greatest torque of that kind that the attraction of a contact alone gives, N m; 0 where nothing attracts.
+    /// Greatest torque of that kind that the attraction of a contact alone gives, N m; 0 without attraction.
     pub(crate) torque_by_attraction: f64,
 }
 

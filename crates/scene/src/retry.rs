@@ -5,18 +5,18 @@ use crate::motion::Progress;
 use crate::run::{RunResult, run_on};
 use crate::{Error, FillingLibrary, Scene};
 
-/// How often a run that diverges is tried again where nothing else is said.
+/// Default number of times that a run that diverges is tried again.
 pub const USUAL_RETRIES: u32 = 1;
 
-/// [`run_on`]; a run that diverges begins anew with half the time step, at most `retries` times.
+/// [`run_on`]; a run that diverges starts again with half the time step, at most `retries` times.
 ///
-/// The result says what each attempt that broke off was stopped for. It stands beside results of the longer step as long as what a
-/// run shows does not depend on the step there: so it is for the seeds of docs/time-step.md, not for every bed. A state that
-/// was `left` knows the attempts before it.
+/// The result says why each earlier attempt broke off. It can be compared with results of the longer step if the observables do
+/// not depend on the step in this range, which holds for the seeds of docs/time-step.md but not for every bed. A state that
+/// was `left` contains the attempts before it.
 ///
 /// # Errors
 ///
-/// As [`run_on`]; [`Error::Diverged`] where more than one attempt broke off and no other is allowed.
+/// As [`run_on`]; [`Error::Diverged`] if more than one attempt broke off and no other is allowed.
 pub fn run_retrying(
     scene: &Scene,
     library: &FillingLibrary,

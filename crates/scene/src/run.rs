@@ -62,7 +62,7 @@ impl Ending {
         }
     }
 
-    /// Why what is kept is neither a steady state nor rest; none where it is, and in a bench test.
+    /// Why the bed is neither steady nor at rest; `None` if it is, and in a bench test.
     pub fn doubt(&self) -> Option<Doubt> {
         match self {
             Self::Tested => None,
@@ -152,7 +152,7 @@ pub fn run(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunResu
 /// where a run of the same scene and seed was left, with its state kept on the way.
 ///
 /// The result is the same to the last bit for any number of threads, and as that of a run that was never left. A bench
-/// test starts anew and is not kept.
+/// test always starts from its beginning and keeps no state.
 ///
 /// # Errors
 ///
@@ -358,7 +358,7 @@ fn n_spheres(scene: &Scene, bodies: &[Arc<SeedBody>]) -> usize {
         .sum()
 }
 
-/// What tells the form of the motion of a bed.
+/// Measures that determine the form of the motion of a bed.
 fn evidence(scene: &Scene, steady: &[SeriesPoint], readings: &[FrameReading]) -> MotionEvidence {
     let apparatus = &scene.apparatus;
     let shapes = readings.iter().filter_map(|r| r.photo.angle());

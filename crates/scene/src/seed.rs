@@ -129,7 +129,7 @@ impl FillingSettings {
 }
 
 impl SeedSettings {
-    /// Volume of one seed, m³; none where the shape is a file that was not read.
+    /// Volume of one seed, m³; `None` if the shape is a file that was not read.
     pub fn volume(&self) -> Option<f64> {
         let axes = match (self.sphere, self.ellipsoid) {
             (Some(diameter), _) => Some([diameter; 3]),
@@ -140,13 +140,13 @@ impl SeedSettings {
         Some(volume * self.scale.unwrap_or(1.0).powi(3))
     }
 
-    /// Mass of one seed, kg; 0 where nothing states it, which [`Scene::check`] refuses.
+    /// Mass of one seed, kg; 0 if it is not stated, which [`Scene::check`] refuses.
     pub fn mass_kg(&self) -> f64 {
         let by_density = || Some(self.density?.si() * self.volume()?);
         self.mass.map(Mass::si).or_else(by_density).unwrap_or(0.0)
     }
 
-    /// Density of the seed, kg/m³, stated or by its mass and volume; none where one of them is not known.
+    /// Density of the seed, kg/m³, stated or by its mass and volume; `None` if one of these is unknown.
     ///
     /// # Formula
     ///
@@ -226,7 +226,7 @@ impl SeedSettings {
         (self.fill_level, self.solid_fraction) = (None, None);
     }
 
-    /// How the seed is filled with spheres; none where it is one sphere.
+    /// How the seed is filled with spheres; `None` if it is one sphere.
     ///
     /// # Errors
     ///
@@ -417,8 +417,8 @@ impl Scene {
         kind.count.unwrap_or_else(derived)
     }
 
-    /// Kinds of seeds as people read them: `380 pea (147 mg, 1300 kg/m3)`; without a number where single seeds are
-    /// tested, without a density where no volume is known.
+    /// Kinds of seeds as people read them: `380 pea (147 mg, 1300 kg/m3)`; without a number if single seeds are
+    /// tested, without a density if the volume is unknown.
     pub fn seeds_in_words(&self) -> String {
         let words = |kind: &SeedSettings| {
             let number = if self.apparatus.is_bench_test() {

@@ -213,8 +213,8 @@ pub struct Protocol {
     /// Time step while the drive runs, likewise; `step_share` where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flow_step_share: Option<f64>,
-    /// Why attempts at the run broke off; the time steps that follow from all this are halved once for each. It is no part of
-    /// a scene file, nor of what a run is known by.
+    /// Why attempts at the run broke off; the time steps that follow from all this are halved once for each. It belongs neither to a scene
+    /// file nor to the key of a run.
     #[serde(skip)]
     pub broken_off: Vec<String>,
     /// Seeds a second that appear above the bottom of the apparatus until all are there; all are there from the
@@ -282,8 +282,8 @@ pub struct CameraSettings {
     /// Distance of the camera from the front cover; without end where absent (parallel rays).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub distance: Option<Length>,
-    /// Time after each frame of a drum at which a second picture is taken, from which the speed of the surface is read; none
-    /// where absent.
+    /// Time after each frame of a drum at which a second picture is taken, from which the speed of the surface is read; no
+    /// second picture if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pair_interval: Option<Time>,
     /// Largest standard error with which the angle may be known from one frame, 0.1 to 30 degrees; 3 degrees where absent.
@@ -353,8 +353,8 @@ impl Scene {
         stated + (start_up.max(LEAST_START_UP * swing) + kept).min(protocol.rotation_limit.si())
     }
 
-    /// Time of rotation, s, before which nothing is kept of a bed that swings in a time (s): what the protocol states, and 1.5
-    /// swings behind the ramp of the drive; none where there is neither.
+    /// Time of rotation, s, before which nothing is kept of a bed that swings in a time (s): the stated time, or 1.5
+    /// swings after the ramp of the drive; `None` without both.
     pub(crate) fn start_up(&self, swing: f64) -> Option<f64> {
         let stated = self.protocol.start_up.map(Time::si);
         let behind_ramp = self

@@ -97,10 +97,9 @@ pub struct SteadyState {
     pub cut: usize,
     /// Values of the series in one swing of the bed.
     pub swing: usize,
-    /// Standard error of the mean of the series behind the cut, deg; none where it is shorter than two
-    /// swings.
+    /// Standard error of the mean of the series after the cut, deg; `None` if it is shorter than two swings.
     pub standard_error: Option<f64>,
-    /// Why it does not count as steady; none where it does.
+    /// Why it does not count as steady; `None` if it does.
     pub doubt: Option<Doubt>,
 }
 
@@ -149,8 +148,8 @@ impl SteadyRule {
         length > self.start_up && (length - self.start_up).is_multiple_of(self.swing)
     }
 
-    /// What is kept of a series: what follows the least start-up, the first third or the first half, whichever of the
-    /// three is steady first; where none is, what follows the least start-up, with the reason.
+    /// The part of a series that is kept: the values after the least start-up, after the first third or after the first half,
+    /// whichever of the three is steady first. If none is steady, those after the least start-up, with the reason.
     ///
     /// # Statistics
     ///
@@ -190,7 +189,7 @@ impl SteadyRule {
         }
     }
 
-    /// What speaks against a part of a series.
+    /// Why a part of a series is not steady.
     fn doubt(&self, kept: &[f64], rolls: &[bool]) -> Option<Doubt> {
         let share = |half: &[bool]| {
             let n = half.iter().filter(|rolls| **rolls).count();

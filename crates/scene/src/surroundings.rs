@@ -40,13 +40,13 @@ const CLOSEST: f64 = 0.25;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SurroundingsSettings {
-    /// Drag of the air over that of the sphere with the volume of the seed; none where absent.
+    /// Drag of the air over that of the sphere with the volume of the seed; no drag if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub air_drag: Option<f64>,
-    /// Size of the charge of each seed, nC, in a drum with conducting walls; none where absent.
+    /// Size of the charge of each seed, nC, in a drum with conducting walls; no charge if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub charge_nc: Option<f64>,
-    /// Vibration of the whole rig from the start of the drive on; none where absent.
+    /// Vibration of the whole apparatus from the start of the drive on; no vibration if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub vibration: Option<VibrationSettings>,
 }
@@ -108,7 +108,7 @@ pub(crate) struct Surroundings {
 }
 
 impl Surroundings {
-    /// The surroundings of a scene; none where nothing acts.
+    /// The surroundings of a scene; `None` if they exert no force.
     pub(crate) fn of(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Option<Self> {
         let settings = &scene.surroundings;
         let kind = |body: &Arc<SeedBody>| Kind {

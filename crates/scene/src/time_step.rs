@@ -193,13 +193,13 @@ fn halving(scene: &Scene) -> f64 {
     attempts.fold(1.0, |factor, _| 0.5 * factor)
 }
 
-/// Longest time step with which the viscous forces of the bridges of liquid are stable, s; without end where there are none.
+/// Longest time step with which the viscous forces of the bridges of liquid are stable, s; infinite without bridges.
 ///
 /// # Formula
 ///
-/// `dt = 0.5 m / (12 c)`: m the [mass felt at the tip](geometry::clump::Clump::mass_felt_at_tip), or of the lightest sphere where
-/// seeds are bonded, c the greatest resistance between two seeds, along the surface `7/2` times for the turn that it
-/// brings along. A wall resists four times as much as a seed, and stands for four of the twelve.
+/// `dt = 0.5 m / (12 c)`: m the [mass felt at the tip](geometry::clump::Clump::mass_felt_at_tip), or of the lightest sphere if
+/// seeds are bonded; c the greatest resistance between two seeds, along the surface times `7/2` for the turn that it
+/// causes. A wall resists four times as much as a seed, and counts as four of the twelve.
 fn viscous_limit(scene: &Scene, bodies: &[Arc<SeedBody>]) -> f64 {
     let Some(liquid) = scene.model.liquid.filter(|liquid| liquid.content > 0.0) else {
         return f64::INFINITY;
@@ -218,8 +218,8 @@ fn viscous_limit(scene: &Scene, bodies: &[Arc<SeedBody>]) -> f64 {
     limits.fold(f64::INFINITY, f64::min)
 }
 
-/// Longest time steps of a bed at rest, s, for a share of [`hard_contact::STEP_SHARE`]; without end where seeds are bonded, and on
-/// the bench, where there is no bed.
+/// Longest time steps of a bed at rest, s, for a share of [`hard_contact::STEP_SHARE`]; infinite if seeds are bonded, and on
+/// the bench, which has no bed.
 #[derive(Debug, Clone, Copy)]
 struct AtRest {
     /// What the springs of the contacts bear.
@@ -286,7 +286,7 @@ impl AtRest {
     }
 }
 
-/// Damping ratio of a seed held at twelve contacts whose dashpots know the whole of it, see [`AtRest::of`]; 0 where none does.
+/// Damping ratio of a seed held at twelve contacts with dashpots of the whole seed, see [`AtRest::of`]; 0 without such dashpots.
 fn damping_at_rest(scene: &Scene, seed: &SeedSettings, body: &SeedBody) -> f64 {
     let is_sphere = body.outer.spheres().len() == 1;
     // A loaded wall keeps a bed at its stiffest for the whole time. Under its own weight alone the rule of X was found to hold.

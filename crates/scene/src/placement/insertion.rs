@@ -26,7 +26,7 @@ const DENSE: f64 = 0.45;
 /// Longest step of a body that is shaken along each axis, over its radius: our choice, about the gaps of a dense gas.
 const STEP: f64 = 0.5;
 
-/// What stands for a body.
+/// Shape by which a body is inserted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Outline {
     /// Its capsule.
@@ -108,7 +108,7 @@ fn is_dense(room: Room<'_>, shapes: &[Shape<'_>], kinds: &[(&Clump, usize)]) -> 
 struct Shape<'a> {
     /// The capsule about one.
     capsule: Capsule,
-    /// Its spheres; none where the capsule stands for it.
+    /// Its spheres; `None` if it is inserted by its capsule.
     spheres: Option<&'a [Sphere]>,
     /// Radius of a ball about its middle that it fills, whichever way it is turned, m.
     core: f64,
@@ -150,7 +150,7 @@ struct Body {
     capsule: Placed,
     /// How it is turned.
     turn: UnitQuaternion<f64>,
-    /// Its spheres; none where its capsule stands for it.
+    /// Its spheres; empty if it is inserted by its capsule.
     balls: Vec<Placed>,
 }
 
@@ -158,7 +158,7 @@ struct Body {
 struct Inserted<'a> {
     /// What leaves room for them.
     room: Room<'a>,
-    /// What stands for them, by kind.
+    /// Their shapes, by kind.
     shapes: Vec<Shape<'a>>,
     /// Their numbers by place.
     cells: Cells,
