@@ -291,7 +291,7 @@ fn pulls_and_tilts_do_not_hang_on_the_step() {
     }
 }
 
-/// What a bench test cannot have or lacks is told by its key, and a bed is not asked of it.
+/// A setting that a bench test lacks or cannot have is refused by its key, and no bed is required.
 #[test]
 fn wrong_bench_scenes_are_refused() {
     let scene = ball("kind = \"tilt\"\nplate = \"steel\"\nrepeats = 2");

@@ -64,7 +64,7 @@ fn bonds_hold_or_break_by_their_strength() {
     assert!(broken(&scene) > 0.0, "weak bonds");
 }
 
-/// Spheres that overlap would push each other apart from the start: such seeds are refused with the way out.
+/// Spheres that overlap would push each other apart from the start: such seeds are refused with the remedy.
 #[test]
 fn overlapping_spheres_cannot_be_bonded() {
     let mut scene = bonded();

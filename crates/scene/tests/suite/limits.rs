@@ -1,4 +1,4 @@
-//! What no run can have is refused where it is written, with the limit and the way out, and never begun.
+//! A scene that cannot be run is refused at the place of its fault, with limit and remedy, before anything is run.
 
 use input::quantity::Time;
 use scene::{Error, FillingLibrary, Override, Scene, run};
@@ -109,7 +109,7 @@ fn settings_that_no_run_can_have_are_refused_with_their_limit() {
     }
 }
 
-/// A name stands in tables and in names of files: one that breaks a line there is refused.
+/// Tables and names of files contain the names of a scene; one that would break a line is refused.
 #[test]
 fn names_that_break_a_table_are_refused() {
     for name in ["", " ", "a\\nb", "a, b", "a\\u0000", "a\\\"b"] {
@@ -225,10 +225,9 @@ fn memory_is_estimated_to_its_order() {
     assert!(scene.estimated_memory() > 10.0 * few);
 }
 
-/// A line that is no TOML by a slip is told with its number and with what to write; one that is none for another reason has the
-/// words of the parser alone.
+/// A usual slip of TOML is reported with its line and what to write instead; any other fault with the words of the parser alone.
 #[test]
-fn a_slip_of_the_pen_is_told_with_what_to_write() {
+fn a_usual_slip_is_reported_with_its_remedy() {
     for (instead, words) in [
         ("0,04", "; write decimals with a point"),
         ("40 mm", "; write it in quotes, \"40 mm\""),
@@ -249,10 +248,10 @@ fn a_slip_of_the_pen_is_told_with_what_to_write() {
     }
 }
 
-/// A wrong line of the apparatus is told with its key and the kind, not only with the place of its table; so is one that is
-/// changed from outside.
+/// A wrong setting of the apparatus is reported with its key and the kind, not only with the line of its table; so is one
+/// that is set from outside.
 #[test]
-fn a_wrong_setting_of_the_apparatus_is_told_with_its_key() {
+fn a_wrong_setting_of_the_apparatus_is_reported_with_its_key() {
     let read = |text: &str| Scene::from_text(text, "beads.toml", Path::new("."), &[]);
     let kind = "kind = \"drum\"\n";
     for (line, instead, words) in [

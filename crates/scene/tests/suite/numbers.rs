@@ -119,9 +119,9 @@ fn numbers_go_in_and_out_by_their_path() {
     }
 }
 
-/// Four mistakes in four sections are told together, each with its file.
+/// Four mistakes in four sections are reported together, each with its file.
 #[test]
-fn all_problems_are_told_at_once() {
+fn all_problems_are_reported_at_once() {
     let mut scene = drum();
     scene.camera.pixels = 1;
     scene.protocol.frames = 0;

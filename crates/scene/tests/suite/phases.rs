@@ -1,4 +1,4 @@
-//! The time of a run is told by its phases.
+//! The computing time of a run is reported by phase.
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use scene::{FillingLibrary, Override, Scene, run};

@@ -117,13 +117,13 @@ impl Keeper for StopAfter {
     }
 }
 
-/// Keeps the states after some intervals and lets the run go on.
+/// Keeps the states after some intervals and lets the run continue.
 struct KeepAfter<'a> {
     /// Intervals gone.
     gone: usize,
     /// After how many of them a state is kept.
     stops: &'a [usize],
-    /// The states as they would stand in a file.
+    /// The states as text of a file.
     states: Vec<String>,
 }
 
@@ -176,9 +176,9 @@ fn bonded_seeds_that_were_stopped_go_on_with_the_same_bits() {
     goes_on_with_the_same_bits(&bonded(), &[4, 8]);
 }
 
-/// A large bed is sorted in memory at 0.2 s: stopped before and behind that, it goes on with the same bits. Frames count the
-/// seeds as they began, and a factory's as they appeared: their kinds stay, and none has moved along the axis by more than a
-/// seed or two, where 20 mm lie between seeds that were confused.
+/// A large bed is sorted in memory at 0.2 s: stopped before or after this time, it continues with the same bits. Frames number
+/// the seeds as they began, and those of a factory as they appeared: their kinds stay, and none has moved along the axis by more
+/// than a seed or two, while confused seeds would be 20 mm apart.
 #[test]
 fn a_large_bed_is_sorted_and_its_seeds_keep_their_numbers() {
     let mut made = large_bed();
@@ -206,7 +206,7 @@ fn a_large_bed_is_sorted_and_its_seeds_keep_their_numbers() {
     }
 }
 
-/// Bonds that had broken when the run was left hold no more, even where those of the scene that goes on cannot break.
+/// Bonds that had broken before a stop stay broken, even if the scene of the continued run has bonds that cannot break.
 #[test]
 fn broken_bonds_stay_broken() {
     let library = FillingLibrary::default();
@@ -224,7 +224,7 @@ fn broken_bonds_stay_broken() {
         left: usize::MAX,
         text: None,
     };
-    let result = run_on(&strong, &library, 3, 1, Some(left), &mut never).expect("goes on");
+    let result = run_on(&strong, &library, 3, 1, Some(left), &mut never).expect("continues");
     let broken = result.observables.iter().find(|f| f.name == "broken_bonds");
     assert!(broken.expect("counted").values[0] > 0.0);
 }
@@ -273,7 +273,7 @@ pub(crate) fn goes_on_with_the_same_bits(
             left: usize::MAX,
             text: None,
         };
-        let continued = run_on(scene, &library, 3, 1, Some(left), &mut never).expect("goes on");
+        let continued = run_on(scene, &library, 3, 1, Some(left), &mut never).expect("continues");
         assert!(
             all_of(&continued) == digits,
             "stopped after {intervals} intervals"
@@ -282,10 +282,10 @@ pub(crate) fn goes_on_with_the_same_bits(
     (whole, states)
 }
 
-/// Hears of attempts that broke off, and stops the run after so many intervals of the one after them.
+/// Records attempts that broke off, and stops the run after so many intervals of the next attempt.
 #[derive(Default)]
 struct StopInRetry {
-    /// Intervals of the last attempt that are left; none where the run is not stopped.
+    /// Intervals of the last attempt that are left; `None` if the run is not stopped.
     left: Option<usize>,
     /// Why attempts broke off.
     broken_off: Vec<String>,
@@ -316,7 +316,7 @@ impl Keeper for StopInRetry {
 
 /// With one step for a hard contact the seeds fly apart, and half of it brings the run to its end. Stopped in that second
 /// attempt and continued, the run keeps the half step and the reason of the first attempt: every digit is that of
-/// the run that was never stopped. Where no other attempt is allowed, the reason of the first stands alone.
+/// the run that was never stopped. If no other attempt is allowed, only the reason of the first is reported.
 #[test]
 fn a_run_that_was_stopped_in_its_second_attempt_goes_on_with_the_half_step() {
     let mut scene = drum();
@@ -338,7 +338,7 @@ fn a_run_that_was_stopped_in_its_second_attempt_goes_on_with_the_half_step() {
     let stopped = go(None, &mut stop, 3).unwrap_err();
     assert!(stopped.to_string().contains("stopped here"), "{stopped}");
     let left = serde_json::from_str(&stop.text.expect("a state was kept")).expect("reads back");
-    let continued = go(Some(left), &mut StopInRetry::default(), 3).expect("goes on");
+    let continued = go(Some(left), &mut StopInRetry::default(), 3).expect("continues");
     assert_eq!(continued.broken_off, whole.broken_off);
     assert_eq!(continued.time_step, whole.time_step);
     assert!(all_of(&continued) == all_of(&whole));
@@ -368,7 +368,7 @@ fn a_state_of_another_scene_is_refused() {
 }
 
 /// The swing by which a bed is judged is that of its start. A continued run takes it from the state and does not measure the
-/// moving bed anew: with twice the swing in the state it is judged by twice the swing.
+/// moving bed again: with twice the swing in the state it is judged by twice the swing.
 #[test]
 fn a_continued_run_is_judged_by_the_swing_of_its_start() {
     let library = FillingLibrary::default();
@@ -388,7 +388,7 @@ fn a_continued_run_is_judged_by_the_swing_of_its_start() {
             text: None,
         };
         let continued = run_on(&drum(), &library, 3, 1, Some(left), &mut never);
-        match continued.expect("goes on").ending {
+        match continued.expect("continues").ending {
             Ending::Turned(state) => state.swing,
             other => panic!("it turned: {other:?}"),
         }

@@ -178,7 +178,7 @@ fn a_scene_reads_back_as_itself_and_takes_changes() {
     }
 }
 
-/// Every wrong combination is told with the seed, the keys and the way out; all of them at once.
+/// Every wrong combination is reported with the seed, the keys and the remedy, all of them at once.
 #[test]
 fn wrong_combinations_of_keys_are_refused() {
     for (seed, words) in [
@@ -237,9 +237,9 @@ fn wrong_combinations_of_keys_are_refused() {
     }
 }
 
-/// Peas that overfill the drum are told before a run; those that fit are not.
+/// Peas that overfill the drum are reported before a run; those that fit are not.
 #[test]
-fn a_dry_build_tells_too_many_seeds() {
+fn a_dry_build_reports_too_many_seeds() {
     let pea = "sphere = \"6 mm\"\nmass = \"0.14 g\"\ncount = ";
     let library = FillingLibrary::default();
     read(&format!("{pea}100"))
@@ -364,8 +364,8 @@ fn flat_seeds_start_where_their_spheres_have_room() {
 }
 
 /// A mass in grams that was meant in milligrams, or a size in centimetres that was meant in millimetres, gives a density
-/// that nothing has: that is told with mass and volume, of balls, ellipsoids and meshes alike. What foam and tungsten
-/// weigh is taken.
+/// that no material has. It is reported with mass and volume for balls, ellipsoids and meshes alike; the densities of foam
+/// and tungsten are accepted.
 #[test]
 fn a_density_that_nothing_has_is_refused() {
     // 113.1 mm3.

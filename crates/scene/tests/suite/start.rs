@@ -325,7 +325,7 @@ fn nothing_is_kept_of_a_ramp() -> Result<(), scene::Error> {
     Ok(())
 }
 
-/// What stands in no file can be set, a number and a switch as well as a quantity; a drum alone has covers.
+/// A setting that the file omits can be set, be it a number, a switch or a quantity; only a drum has covers.
 #[test]
 fn settings_that_a_file_leaves_out_can_be_set() -> Result<(), scene::Error> {
     let file = fixture("cotton");
