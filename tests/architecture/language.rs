@@ -1,7 +1,6 @@
 //! Pages, documentation and messages avoid phrases that are nearly always unclear.
 
 use crate::tree::{files, root, shown, text_of};
-use std::path::Path;
 
 /// Phrases that a reader stumbles over in nearly every use, with the words to use instead.
 ///
@@ -75,9 +74,6 @@ const ALLOWED: [&str; 7] = [
     "is no less",
     "is no larger",
 ];
-
-/// Crates whose texts are not rewritten yet.
-const NOT_YET: [&str; 1] = ["crates/scene"];
 
 /// A run of text that a reader takes in at once: a paragraph, a documentation comment or a message.
 struct Passage {
@@ -189,13 +185,6 @@ fn faults(passage: &Passage) -> Vec<(usize, &'static str, &'static str)> {
     found
 }
 
-/// Returns whether a Rust file belongs to a crate that is not rewritten yet.
-fn is_exempt(path: &Path) -> bool {
-    let root = root();
-    let mut folders = NOT_YET.iter();
-    folders.any(|folder| path.starts_with(root.join(folder)))
-}
-
 #[test]
 fn a_banned_phrase_is_found_across_a_line_break_and_in_a_message() {
     let page = "A speed is\ntold in rpm.\n\n```sh\nis told\n```\nThere is no other.";
@@ -223,7 +212,7 @@ fn pages_documentation_and_messages_use_no_banned_phrase() {
             Some("md") if path.starts_with(&docs) || pages.contains(&path) => {
                 paragraphs(&text_of(&path).expect("a page is text"))
             }
-            Some("rs") if !is_exempt(&path) && !path.ends_with("language.rs") => {
+            Some("rs") if !path.ends_with("language.rs") => {
                 documentation_and_messages(&text_of(&path).expect("code is text"))
             }
             _ => continue,
