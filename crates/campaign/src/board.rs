@@ -121,7 +121,7 @@ impl Board {
     }
 
     /// Remaining work of the list and of the loop. Runs that other campaigns do count as running.
-    pub(crate) fn workload(&self, jobs: &[Job], pace: &Pace, workers: usize) -> Workload {
+    pub(crate) fn workload(&self, jobs: &[Job<'_>], pace: &Pace, workers: usize) -> Workload {
         let cost = |i: &usize| jobs.get(*i).map_or(0.0, |job| job.cost);
         let elsewhere = self
             .elsewhere

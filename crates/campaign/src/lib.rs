@@ -1,6 +1,6 @@
 //! The simulator seen from outside, and lists of its runs done in parallel, once each.
 //!
-//! A [`Simulator`] turns a [`RunRequest`] into observables. A [`Campaign`] takes a list of
+//! A [`Simulator`] turns a [`RunRequest`] into observables, by way of a [`PreparedRun`]. A [`Campaign`] takes a list of
 //! requests, finds those that a [`crate::run_store::Store`] already has, does the others on several
 //! threads, and stores each as soon as it is finished. Lists that belong to one loop share a [`Pace`] with what
 //! lies ahead of them, so that the time left is that of the whole loop.
@@ -60,4 +60,4 @@ pub use pace::Pace;
 pub use progress::{LineProgress, Progress, ProgressState, Silent, range_in_words, time_in_words};
 pub use request::{RunOutcome, RunRequest};
 pub use runner::Campaign;
-pub use simulator::{Simulator, SimulatorError};
+pub use simulator::{PreparedRun, Simulator, SimulatorError};

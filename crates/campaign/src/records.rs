@@ -14,7 +14,7 @@ impl Campaign<'_> {
     /// The record of a job, if the store has it. Any other file of its name is reported and set aside.
     pub(crate) fn stored(
         &self,
-        job: &Job,
+        job: &Job<'_>,
         warn: &dyn Fn(&str),
     ) -> Result<Option<Record>, crate::run_store::Error> {
         for _ in 0..LOOKS {
@@ -37,7 +37,7 @@ impl Campaign<'_> {
     }
 
     /// Finds the records of the store, and orders the other jobs, longest first.
-    pub(crate) fn look_up(&self, jobs: &[Job]) -> Result<Board, Error> {
+    pub(crate) fn look_up(&self, jobs: &[Job<'_>]) -> Result<Board, Error> {
         let mut results = Vec::with_capacity(jobs.len());
         let warn = |text: &str| self.progress.warning(text);
         for job in jobs {

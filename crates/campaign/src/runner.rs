@@ -120,7 +120,7 @@ impl<'a> Campaign<'a> {
     ) -> Result<Vec<Record>, Error> {
         let list = JobList::new(simulator, requests);
         let (jobs, job_of_request) = list.all_accepted(requests)?;
-        let records = collect(&jobs, self.do_all(simulator, &jobs)?)?;
+        let records = collect(&jobs, self.do_all(&jobs)?)?;
         Ok(job_of_request
             .into_iter()
             .filter_map(|job| records.get(job).cloned())
@@ -139,7 +139,7 @@ impl<'a> Campaign<'a> {
         requests: &[RunRequest],
     ) -> Result<Vec<Result<Record, String>>, Error> {
         let JobList { jobs, of_request } = JobList::new(simulator, requests);
-        let results = self.do_all(simulator, &jobs)?;
+        let results = self.do_all(&jobs)?;
         let n_done = results.iter().flatten().filter(|r| r.is_ok()).count();
         let mut each = Vec::with_capacity(jobs.len());
         for (job, result) in jobs.iter().zip(results) {
@@ -167,8 +167,7 @@ impl<'a> Campaign<'a> {
     /// Result of every job: from the store, or by running it.
     fn do_all(
         &self,
-        simulator: &dyn Simulator,
-        jobs: &[Job],
+        jobs: &[Job<'_>],
     ) -> Result<Vec<Option<Result<Record, Failure>>>, Error> {
         let own = Pace::new();
         let pace = self.pace.unwrap_or(&own);
@@ -184,7 +183,6 @@ impl<'a> Campaign<'a> {
         self.tell(jobs, &lock(&board), pace);
         let keeper = Keeper::new(self.store, self.claim_life);
         let hall = Hall {
-            simulator,
             jobs,
             board: &board,
             pace,
@@ -205,7 +203,7 @@ impl<'a> Campaign<'a> {
 
 /// Gives the records of all jobs, or the first failure with its request.
 fn collect(
-    jobs: &[Job],
+    jobs: &[Job<'_>],
     results: Vec<Option<Result<Record, Failure>>>,
 ) -> Result<Vec<Record>, Error> {
     let n_done = results.iter().flatten().filter(|r| r.is_ok()).count();

@@ -10,17 +10,6 @@ pub trait Simulator: Sync {
     /// Version of the code; runs of another version are not reused.
     fn version(&self) -> String;
 
-    /// Everything that the result of the request depends on, besides the version and the seed, and nothing
-    /// else: two requests with the same inputs and seed are one run. All numbers in it must be
-    /// finite. By default the request itself.
-    ///
-    /// # Errors
-    ///
-    /// [`SimulatorError`] if the request is invalid, before anything is run.
-    fn inputs(&self, request: &RunRequest) -> Result<Value, SimulatorError> {
-        Ok(request.inputs())
-    }
-
     /// Does one run, on the calling thread.
     ///
     /// # Errors
@@ -28,21 +17,60 @@ pub trait Simulator: Sync {
     /// [`SimulatorError`] when the request is invalid, or the run fails.
     fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError>;
 
-    /// Does one run on as many threads as it has cores at each moment, with the same result. By default on the calling thread.
+    /// Checks a request and builds, once, what its key, its cost and its run have in common. By default the request itself is
+    /// the key, every run costs the same, and [`Simulator::run`] does it.
     ///
     /// # Errors
     ///
-    /// As [`Simulator::run`].
-    fn run_on(&self, request: &RunRequest, cores: &Cores) -> Result<RunOutcome, SimulatorError> {
-        let _ = cores;
-        self.run(request)
+    /// [`SimulatorError`] if the request is invalid, before anything is run.
+    fn prepare<'s>(
+        &'s self,
+        request: &RunRequest,
+    ) -> Result<Box<dyn PreparedRun + 's>, SimulatorError> {
+        Ok(Box::new(Unprepared {
+            simulator: self,
+            request: request.clone(),
+        }))
     }
+}
+
+/// A run that is ready to be done.
+pub trait PreparedRun: Send + Sync {
+    /// Everything that the result of the run depends on, besides the version and the seed, and nothing
+    /// else: two requests with the same inputs and seed are one run. All numbers in it must be finite.
+    ///
+    /// # Errors
+    ///
+    /// [`SimulatorError`] if the inputs cannot be stated as JSON.
+    fn inputs(&self) -> Result<Value, SimulatorError>;
 
     /// Time that the run will take, relative to the other runs: sets the order (longest first)
     /// and the estimate of the time left. Not positive or not finite counts as 1.
-    fn expected_cost(&self, request: &RunRequest) -> f64 {
-        let _ = request;
+    fn cost(&self) -> f64 {
         1.0
+    }
+
+    /// Does the run on as many threads as it has cores at each moment; the result does not depend on their number.
+    ///
+    /// # Errors
+    ///
+    /// [`SimulatorError`] if the run fails.
+    fn run(&self, cores: &Cores) -> Result<RunOutcome, SimulatorError>;
+}
+
+/// A request of a simulator that prepares nothing.
+struct Unprepared<'s, S: ?Sized> {
+    simulator: &'s S,
+    request: RunRequest,
+}
+
+impl<S: Simulator + ?Sized> PreparedRun for Unprepared<'_, S> {
+    fn inputs(&self) -> Result<Value, SimulatorError> {
+        Ok(self.request.inputs())
+    }
+
+    fn run(&self, _: &Cores) -> Result<RunOutcome, SimulatorError> {
+        self.simulator.run(&self.request)
     }
 }
 

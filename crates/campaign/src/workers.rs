@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use crate::board::{Board, Elsewhere, Failure, lock};
 use crate::claims::{Keeper, Permit};
 use crate::jobs::Job;
-use crate::{Campaign, Cores, Pace, ProgressState, Simulator, SimulatorError};
+use crate::{Campaign, Cores, Pace, ProgressState, SimulatorError};
 
 /// Pause of a worker while another asks for the last run; short against any run.
 const SHORT_PAUSE: Duration = Duration::from_millis(5);
@@ -41,10 +41,8 @@ enum Outcome {
 
 /// State that all workers of a list read.
 pub(crate) struct Hall<'h> {
-    /// The simulator of the runs.
-    pub(crate) simulator: &'h dyn Simulator,
     /// The jobs of the list.
-    pub(crate) jobs: &'h [Job],
+    pub(crate) jobs: &'h [Job<'h>],
     /// Progress of each.
     pub(crate) board: &'h Mutex<Board>,
     /// Their pace.
@@ -167,7 +165,7 @@ impl Campaign<'_> {
     }
 
     /// Runs a job, if the store has no record of it and no other campaign does it.
-    fn attempt(&self, hall: &Hall<'_>, job: &Job, begin: &dyn Fn()) -> Outcome {
+    fn attempt(&self, hall: &Hall<'_>, job: &Job<'_>, begin: &dyn Fn()) -> Outcome {
         let warn = |text: &str| {
             let _one_at_a_time = lock(hall.board);
             self.progress.warning(text);
@@ -206,9 +204,9 @@ impl Campaign<'_> {
     }
 
     /// Does one run and keeps its record.
-    fn run_and_store(&self, hall: &Hall<'_>, job: &Job) -> Result<Record, Failure> {
+    fn run_and_store(&self, hall: &Hall<'_>, job: &Job<'_>) -> Result<Record, Failure> {
         // A run that panics must not take the others with it; its state dies with it.
-        let run = || hall.simulator.run_on(&job.request, &hall.cores);
+        let run = || job.prepared.run(&hall.cores);
         let outcome = catch_unwind(AssertUnwindSafe(run))
             .unwrap_or_else(|panic| Err(panicked(panic.as_ref())))
             .map_err(Failure::Simulator)?;
@@ -224,7 +222,7 @@ impl Campaign<'_> {
     }
 
     /// Reports the result of a job to the listener.
-    pub(crate) fn tell_end(&self, job: &Job, result: &Result<Record, Failure>) {
+    pub(crate) fn tell_end(&self, job: &Job<'_>, result: &Result<Record, Failure>) {
         match result {
             Ok(record) => self.progress.ended(&job.request, Ok(record)),
             Err(Failure::Simulator(why)) => self.progress.ended(&job.request, Err(&why.in_full())),
@@ -233,7 +231,7 @@ impl Campaign<'_> {
     }
 
     /// Reports the progress to the listener.
-    pub(crate) fn tell(&self, jobs: &[Job], board: &Board, pace: &Pace) {
+    pub(crate) fn tell(&self, jobs: &[Job<'_>], board: &Board, pace: &Pace) {
         let workload = board.workload(jobs, pace, self.threads);
         self.progress.update(&ProgressState {
             done: board.results.iter().flatten().count(),

@@ -71,8 +71,8 @@ pub(crate) fn length_of(
     lists: &[RunList],
 ) -> f64 {
     let length = |list: &RunList| {
-        let costs = list.requests.iter().map(|r| simulator.expected_cost(r));
-        list.times as f64 * campaign.length_of(costs)
+        let cost = |request| simulator.prepare(request).map_or(1.0, |run| run.cost());
+        list.times as f64 * campaign.length_of(list.requests.iter().map(cost))
     };
     lists.iter().map(length).sum()
 }

@@ -3,7 +3,8 @@
 use crate::diagnosis_stage::length_of;
 use crate::samples::Runner;
 use crate::{PlannedStage, RunList, StageCost};
-use campaign::{Cores, RunOutcome, RunRequest, Simulator, SimulatorError};
+use campaign::{Cores, PreparedRun, RunOutcome, RunRequest, Simulator, SimulatorError};
+use serde_json::Value;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -100,21 +101,38 @@ impl Simulator for Counted<'_> {
         self.simulator.version()
     }
 
-    fn inputs(&self, request: &RunRequest) -> Result<serde_json::Value, SimulatorError> {
-        self.simulator.inputs(request)
-    }
-
     fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
         self.count.fetch_add(1, Ordering::Relaxed);
         self.simulator.run(request)
     }
 
-    fn run_on(&self, request: &RunRequest, cores: &Cores) -> Result<RunOutcome, SimulatorError> {
-        self.count.fetch_add(1, Ordering::Relaxed);
-        self.simulator.run_on(request, cores)
+    fn prepare<'s>(
+        &'s self,
+        request: &RunRequest,
+    ) -> Result<Box<dyn PreparedRun + 's>, SimulatorError> {
+        let prepared = self.simulator.prepare(request)?;
+        let count = &self.count;
+        Ok(Box::new(CountedRun { prepared, count }))
+    }
+}
+
+/// A run that is counted when it is done.
+struct CountedRun<'a> {
+    prepared: Box<dyn PreparedRun + 'a>,
+    count: &'a AtomicUsize,
+}
+
+impl PreparedRun for CountedRun<'_> {
+    fn inputs(&self) -> Result<Value, SimulatorError> {
+        self.prepared.inputs()
     }
 
-    fn expected_cost(&self, request: &RunRequest) -> f64 {
-        self.simulator.expected_cost(request)
+    fn cost(&self) -> f64 {
+        self.prepared.cost()
+    }
+
+    fn run(&self, cores: &Cores) -> Result<RunOutcome, SimulatorError> {
+        self.count.fetch_add(1, Ordering::Relaxed);
+        self.prepared.run(cores)
     }
 }

@@ -32,5 +32,5 @@ pub use outcome::{Effort, NOT_STEADY, outcome_of, word};
 pub use parameter_file::{
     CalibratedEffect, CalibratedParameter, ParameterFile, ReadScene, read_scene,
 };
-pub use simulator::SceneSimulator;
+pub use simulator::{SceneRun, SceneSimulator};
 pub use surface::{SurfaceReadings, over_frames, scatter_of, unread_frames};

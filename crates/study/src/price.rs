@@ -69,7 +69,7 @@ pub(crate) fn of(
     store: Option<&Store>,
 ) -> Result<Price, Error> {
     let cost = |request: &RunRequest| {
-        let cost = simulator.expected_cost(request);
+        let cost = simulator.prepare(request).map_or(1.0, |run| run.cost());
         // As the campaign counts it.
         if cost.is_finite() && cost > 0.0 {
             cost
@@ -165,7 +165,7 @@ fn seconds_of(
     request: &RunRequest,
     store: &Store,
 ) -> Result<Option<f64>, Error> {
-    let Ok(inputs) = simulator.inputs(request) else {
+    let Ok(inputs) = simulator.prepare(request).and_then(|run| run.inputs()) else {
         return Ok(None);
     };
     let blank = Record::new(&simulator.version(), inputs, request.seed)?;
@@ -220,8 +220,9 @@ mod tests {
     use crate::Budget;
     use crate::spent::{Spending, core_seconds};
     use campaign::run_store::{Record, Store};
-    use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
+    use campaign::{Cores, PreparedRun, RunOutcome, RunRequest, Simulator, SimulatorError};
     use inference::{PlannedStage, RunList};
+    use serde_json::Value;
 
     /// A run of model m costs 3.
     struct Three;
@@ -235,8 +236,27 @@ mod tests {
             Ok(RunOutcome::default())
         }
 
-        fn expected_cost(&self, _: &RunRequest) -> f64 {
+        fn prepare<'s>(
+            &'s self,
+            request: &RunRequest,
+        ) -> Result<Box<dyn PreparedRun + 's>, SimulatorError> {
+            Ok(Box::new(OfThree(request.clone())))
+        }
+    }
+
+    struct OfThree(RunRequest);
+
+    impl PreparedRun for OfThree {
+        fn inputs(&self) -> Result<Value, SimulatorError> {
+            Ok(self.0.inputs())
+        }
+
+        fn cost(&self) -> f64 {
             3.0
+        }
+
+        fn run(&self, _: &Cores) -> Result<RunOutcome, SimulatorError> {
+            Three.run(&self.0)
         }
     }
 
@@ -262,7 +282,7 @@ mod tests {
         let guess = of(&Three, &stages, budget, Some(&store)).unwrap();
         assert!(!guess.measured);
         assert!((guess.core_s - 30.0 * SECONDS_PER_COST).abs() < 1e-12);
-        let record = Record::new("three", Three.inputs(&requests[4]).unwrap(), 5).unwrap();
+        let record = Record::new("three", requests[4].inputs(), 5).unwrap();
         let details = serde_json::json!({
             "steady": true, "start_up_s": null, "froude_number": null, "last_frame_png_base64": null,
             "frames": {

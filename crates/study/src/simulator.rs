@@ -1,8 +1,7 @@
 //! What does the runs of a study.
 
-use campaign::{Cores, RunOutcome, RunRequest, Simulator, SimulatorError};
+use campaign::{PreparedRun, RunOutcome, RunRequest, Simulator, SimulatorError};
 use scene::FillingLibrary;
-use serde_json::Value;
 use simulators::external_simulator::{CommandSimulator, PeerSimulator};
 use simulators::scene_simulator::SceneSimulator;
 use std::sync::Arc;
@@ -64,19 +63,14 @@ impl Simulator for StudySimulator {
         self.inner().version()
     }
 
-    fn inputs(&self, request: &RunRequest) -> Result<Value, SimulatorError> {
-        self.inner().inputs(request)
-    }
-
     fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
         self.inner().run(request)
     }
 
-    fn run_on(&self, request: &RunRequest, cores: &Cores) -> Result<RunOutcome, SimulatorError> {
-        self.inner().run_on(request, cores)
-    }
-
-    fn expected_cost(&self, request: &RunRequest) -> f64 {
-        self.inner().expected_cost(request)
+    fn prepare<'s>(
+        &'s self,
+        request: &RunRequest,
+    ) -> Result<Box<dyn PreparedRun + 's>, SimulatorError> {
+        self.inner().prepare(request)
     }
 }

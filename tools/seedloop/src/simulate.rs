@@ -172,7 +172,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     }
     let single = SingleRun::new(scene, arguments.seed)?;
     let files = match &arguments.out {
-        Some(folder) => Some(state_files(folder, single.blank_record()?.key())),
+        Some(folder) => Some(state_files(folder, single.blank_record().key())),
         None => None,
     };
     let stop = Stop::new(move || kept(files.as_ref()))?;
@@ -268,7 +268,7 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun, stop: &Stop) -> anyhow
         .as_ref()
         .map(|folder| Store::open(folder.join("runs")));
     let store = store.transpose()?;
-    let blank = single.blank_record()?;
+    let blank = single.blank_record();
     let _keeper = match &store {
         Some(store) => Some(keep_run(store, blank.key())?),
         None => None,
@@ -308,14 +308,13 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun, stop: &Stop) -> anyhow
             Lookup::Absent => {}
         }
     }
-    run_and_keep(arguments, single, blank, store.as_ref(), stop)
+    run_and_keep(arguments, single, store.as_ref(), stop)
 }
 
 /// Runs the scene, from where it was left, and keeps what was asked for.
 fn run_and_keep(
     arguments: &Arguments,
     single: &SingleRun,
-    blank: Record,
     store: Option<&Store>,
     stop: &Stop,
 ) -> anyhow::Result<Outcome> {
@@ -328,7 +327,7 @@ fn run_and_keep(
     let folder = arguments.out.as_deref();
     let mut state = StateFile::new(
         folder,
-        blank.key(),
+        single.blank_record().key(),
         arguments.keep_every,
         stop.flag(),
         common,
@@ -339,7 +338,7 @@ fn run_and_keep(
     }
     let continued = left.is_some();
     let limits = (common.threads(), arguments.retries.number);
-    let run = single.run(blank, limits, left, &mut state);
+    let run = single.run(limits, left, &mut state);
     let way_out = || {
         let from = state.name();
         format!("the run continued from {from}; remove it to start again")

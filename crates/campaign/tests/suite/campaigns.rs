@@ -2,9 +2,10 @@
 
 use campaign::run_store::{Observation, Store};
 use campaign::{
-    Campaign, Cores, Error, LineProgress, Pace, Progress, ProgressState, RunOutcome, RunRequest,
-    Silent, Simulator, SimulatorError,
+    Campaign, Cores, Error, LineProgress, Pace, PreparedRun, Progress, ProgressState, RunOutcome,
+    RunRequest, Silent, Simulator, SimulatorError,
 };
+use serde_json::Value;
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
@@ -56,8 +57,36 @@ impl Simulator for Toy {
         })
     }
 
-    fn expected_cost(&self, request: &RunRequest) -> f64 {
-        request.parameter("x").unwrap_or(1.0)
+    fn prepare<'s>(
+        &'s self,
+        request: &RunRequest,
+    ) -> Result<Box<dyn PreparedRun + 's>, SimulatorError> {
+        Ok(Box::new(ToyRun {
+            toy: self,
+            request: request.clone(),
+            inputs: request.inputs(),
+        }))
+    }
+}
+
+/// A run whose cost is x.
+struct ToyRun<'s> {
+    toy: &'s Toy,
+    request: RunRequest,
+    inputs: Value,
+}
+
+impl PreparedRun for ToyRun<'_> {
+    fn inputs(&self) -> Result<Value, SimulatorError> {
+        Ok(self.inputs.clone())
+    }
+
+    fn cost(&self) -> f64 {
+        self.request.parameter("x").unwrap_or(1.0)
+    }
+
+    fn run(&self, _: &Cores) -> Result<RunOutcome, SimulatorError> {
+        self.toy.run(&self.request)
     }
 }
 
@@ -93,14 +122,29 @@ impl Simulator for Sharing {
         "sharing".into()
     }
 
-    fn run(&self, _: &RunRequest) -> Result<RunOutcome, SimulatorError> {
-        Ok(RunOutcome::default())
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        SharingRun(request.clone()).run(&Cores::new(1, 1))
     }
 
-    fn run_on(&self, request: &RunRequest, cores: &Cores) -> Result<RunOutcome, SimulatorError> {
+    fn prepare<'s>(
+        &'s self,
+        request: &RunRequest,
+    ) -> Result<Box<dyn PreparedRun + 's>, SimulatorError> {
+        Ok(Box::new(SharingRun(request.clone())))
+    }
+}
+
+struct SharingRun(RunRequest);
+
+impl PreparedRun for SharingRun {
+    fn inputs(&self) -> Result<Value, SimulatorError> {
+        Ok(self.0.inputs())
+    }
+
+    fn run(&self, cores: &Cores) -> Result<RunOutcome, SimulatorError> {
         let begin = Instant::now();
         let first = cores.of_a_run();
-        while request.parameter("x")? == 2.0 && cores.of_a_run() < 2 {
+        while self.0.parameter("x")? == 2.0 && cores.of_a_run() < 2 {
             if begin.elapsed() > Duration::from_secs(20) {
                 let reason = "the other core stayed idle".into();
                 return Err(SimulatorError::Failed { reason });
@@ -278,16 +322,23 @@ impl Simulator for OnlyX {
     fn version(&self) -> String {
         self.0.version()
     }
-    fn inputs(&self, request: &RunRequest) -> Result<serde_json::Value, SimulatorError> {
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        self.0.run(request)
+    }
+    fn prepare<'s>(
+        &'s self,
+        request: &RunRequest,
+    ) -> Result<Box<dyn PreparedRun + 's>, SimulatorError> {
         let x = request.parameter("x")?;
         if x < 0.0 {
             let reason = format!("x = {x}; it must be 0 or more");
             return Err(SimulatorError::Refused { reason });
         }
-        Ok(serde_json::json!({ "x": x }))
-    }
-    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
-        self.0.run(request)
+        Ok(Box::new(ToyRun {
+            toy: &self.0,
+            request: request.clone(),
+            inputs: serde_json::json!({ "x": x }),
+        }))
     }
 }
 

@@ -14,7 +14,7 @@ use crate::scene_simulator::{
     FrameDetails, RunDetails, SECONDS_PER_COST, SeriesDetails, SurfaceReadings, no_surface,
 };
 use campaign::run_store::Record;
-use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError, in_full};
+use campaign::{Cores, PreparedRun, RunOutcome, RunRequest, Simulator, SimulatorError, in_full};
 use photo_profile::{Settings, measure_photo, read_frames};
 use scene::{FrameReading, SteadyRule};
 use serde::Deserialize;
@@ -289,17 +289,45 @@ impl Simulator for CommandSimulator {
         )
     }
 
-    fn inputs(&self, request: &RunRequest) -> Result<Value, SimulatorError> {
-        let (model, _) = self.values(request)?;
-        let files = &self.settings.results;
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        self.prepare(request)?.run(&Cores::new(1, 1))
+    }
+
+    fn prepare<'s>(
+        &'s self,
+        request: &RunRequest,
+    ) -> Result<Box<dyn PreparedRun + 's>, SimulatorError> {
+        let (model, values) = self.values(request)?;
+        Ok(Box::new(CommandRun {
+            simulator: self,
+            request: request.clone(),
+            model,
+            values,
+        }))
+    }
+}
+
+/// A request with the values that the program receives.
+struct CommandRun<'s> {
+    simulator: &'s CommandSimulator,
+    request: RunRequest,
+    model: &'s CommandModel,
+    /// Texts by the names of their places in the template and the command.
+    values: BTreeMap<String, String>,
+}
+
+impl PreparedRun for CommandRun<'_> {
+    fn inputs(&self) -> Result<Value, SimulatorError> {
+        let (model, settings) = (self.model, &self.simulator.settings);
+        let files = &settings.results;
         let name = |file: &Option<PathBuf>| file.as_ref().map(|f| f.display().to_string());
         let mut inputs = json!({
-            "command": self.settings.command,
-            "template": self.template.digests(),
+            "command": settings.command,
+            "template": self.simulator.template.digests(),
             "scene": model.scene,
             "condition": model.condition,
-            "parameters": model.of_it(request),
-            "effects": request.effects,
+            "parameters": model.of_it(&self.request),
+            "effects": self.request.effects,
         });
         let optional = [
             ("observables", name(&files.observables)),
@@ -315,26 +343,26 @@ impl Simulator for CommandSimulator {
         Ok(inputs)
     }
 
-    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+    fn cost(&self) -> f64 {
+        self.simulator.settings.expected_s / SECONDS_PER_COST
+    }
+
+    fn run(&self, _: &Cores) -> Result<RunOutcome, SimulatorError> {
         let failed = |reason: String| SimulatorError::Failed { reason };
-        let (model, values) = self.values(request)?;
-        let record = Record::new(&self.version(), self.inputs(request)?, request.seed);
+        let simulator = self.simulator;
+        let record = Record::new(&simulator.version(), self.inputs()?, self.request.seed);
         let record = record.map_err(SimulatorError::other)?;
-        let settings = &self.settings;
+        let settings = &simulator.settings;
         let folder = RunFolder::make(&settings.work, record.key(), settings.keep);
         let folder = folder.map_err(failed)?;
-        let outcome = self.run_in(&folder.path, request, model, &values);
-        if outcome.is_err() && self.stop.load(Ordering::SeqCst) {
+        let outcome = simulator.run_in(&folder.path, &self.request, self.model, &self.values);
+        if outcome.is_err() && simulator.stop.load(Ordering::SeqCst) {
             folder.stopped();
             return Err(failed("the run was stopped".into()));
         }
         let outcome = outcome.map_err(|failure| failed(folder.failed(&failure)))?;
         folder.succeeded();
         Ok(outcome)
-    }
-
-    fn expected_cost(&self, _: &RunRequest) -> f64 {
-        self.settings.expected_s / SECONDS_PER_COST
     }
 }
 

@@ -7,9 +7,9 @@ use crate::external_simulator::folder::{Keep, RunFolder};
 use crate::external_simulator::guard::Guard;
 use crate::external_simulator::process::{Failure, Limits};
 use crate::external_simulator::session::{Session, version_line};
-use crate::scene_simulator::SceneSimulator;
+use crate::scene_simulator::{SceneRun, SceneSimulator};
 use campaign::run_store::Record;
-use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
+use campaign::{Cores, PreparedRun, RunOutcome, RunRequest, Simulator, SimulatorError};
 use input::quantity::Time;
 use scene::{DrumCamera, FillingLibrary, Scene, SteadyRule, SteadyState};
 use serde::{Deserialize, Serialize};
@@ -212,28 +212,61 @@ impl Simulator for PeerSimulator {
         )
     }
 
-    fn inputs(&self, request: &RunRequest) -> Result<Value, SimulatorError> {
-        let scene = self.scenes.scene_as_run(request)?;
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        self.prepare(request)?.run(&Cores::new(1, 1))
+    }
+
+    fn prepare<'s>(
+        &'s self,
+        request: &RunRequest,
+    ) -> Result<Box<dyn PreparedRun + 's>, SimulatorError> {
+        let prepared = self.scenes.prepare_scene(request)?;
         let refused = |error: crate::exchange::Error| SimulatorError::Refused {
             reason: error.to_string(),
         };
-        self.settings.peer.check(&scene).map_err(refused)?;
-        let inputs = self.scenes.inputs(request)?;
+        let peer = self.settings.peer;
+        peer.check(prepared.scene()).map_err(refused)?;
+        Ok(Box::new(PeerRun {
+            simulator: self,
+            prepared,
+            seed: request.seed,
+        }))
+    }
+}
+
+/// A scene that is ready to be run by another code.
+struct PeerRun<'s> {
+    simulator: &'s PeerSimulator,
+    prepared: SceneRun<'s>,
+    seed: u64,
+}
+
+impl PreparedRun for PeerRun<'_> {
+    fn inputs(&self) -> Result<Value, SimulatorError> {
         // The number of ranks decides the order of sums.
-        Ok(json!({ "of": inputs, "command": self.settings.command }))
+        let command = &self.simulator.settings.command;
+        Ok(json!({ "of": self.prepared.inputs()?, "command": command }))
     }
 
-    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+    fn cost(&self) -> f64 {
+        let fillings = self.simulator.scenes.fillings();
+        let spheres = spheres_of_a_seed(self.prepared.scene(), fillings);
+        SLOWER * spheres.unwrap_or(1.0) * self.prepared.cost()
+    }
+
+    fn run(&self, _: &Cores) -> Result<RunOutcome, SimulatorError> {
         let failed = |reason: String| SimulatorError::Failed { reason };
-        let scene = self.scenes.scene_as_run(request)?;
-        let record = Record::new(&self.version(), self.inputs(request)?, request.seed);
+        let simulator = self.simulator;
+        let scene = self.prepared.scene();
+        let record = Record::new(&simulator.version(), self.inputs()?, self.seed);
         let record = record.map_err(SimulatorError::other)?;
-        let settings = &self.settings;
+        let settings = &simulator.settings;
         let folder = RunFolder::make(&settings.work, record.key(), settings.keep);
         let folder = folder.map_err(failed)?;
-        let deck = Deck::of(&scene, settings.peer, self.scenes.fillings(), request.seed)?;
-        let done = self.run_in(&folder, &scene, &deck);
-        if done.is_err() && self.stop.load(Ordering::SeqCst) {
+        let fillings = simulator.scenes.fillings();
+        let deck = Deck::of(scene, settings.peer, fillings, self.seed)?;
+        let done = simulator.run_in(&folder, scene, &deck);
+        if done.is_err() && simulator.stop.load(Ordering::SeqCst) {
             folder.stopped();
             return Err(failed("the run was stopped".into()));
         }
@@ -243,12 +276,6 @@ impl Simulator for PeerSimulator {
             folder.succeeded();
         }
         outcome
-    }
-
-    fn expected_cost(&self, request: &RunRequest) -> f64 {
-        let spheres = self.scenes.scene_as_run(request).ok();
-        let spheres = spheres.and_then(|scene| spheres_of_a_seed(&scene, self.scenes.fillings()));
-        SLOWER * spheres.unwrap_or(1.0) * self.scenes.expected_cost(request)
     }
 }
 

@@ -4,7 +4,7 @@ use crate::scene_simulator::binding::present_paths;
 use crate::scene_simulator::cost::expected_cost;
 use crate::scene_simulator::outcome::outcome_of;
 use crate::scene_simulator::{Binding, Effort, Error};
-use campaign::{Cores, RunOutcome, RunRequest, Simulator, SimulatorError};
+use campaign::{Cores, PreparedRun, RunOutcome, RunRequest, Simulator, SimulatorError};
 use input::quantity::AngularSpeed;
 use scene::{Control, FillingLibrary, Override, RunResult, Scene, USUAL_RETRIES, run_retrying};
 use serde_json::{Value, json};
@@ -221,13 +221,18 @@ impl SceneSimulator {
         request.parameters.get(symbol).copied()
     }
 
-    /// The scene of a request without what its run does not depend on: what is run, and what the key is made of.
+    /// Builds the scene of a request, ready to be run.
     ///
     /// # Errors
     ///
     /// As [`SceneSimulator::scene_of`].
-    pub fn scene_as_run(&self, request: &RunRequest) -> Result<Scene, SimulatorError> {
-        Ok(self.scene_of(request)?.reduced())
+    pub fn prepare_scene(&self, request: &RunRequest) -> Result<SceneRun<'_>, SimulatorError> {
+        Ok(SceneRun {
+            simulator: self,
+            scene: self.scene_of(request)?.reduced(),
+            seed: request.seed,
+            factor: self.factor(request).unwrap_or(1.0),
+        })
     }
 
     /// The settings that the parameters of a request change in its model.
@@ -334,33 +339,62 @@ impl Simulator for SceneSimulator {
         format!("seedloop {} physics {REVISION}", env!("CARGO_PKG_VERSION"))
     }
 
-    fn inputs(&self, request: &RunRequest) -> Result<Value, SimulatorError> {
-        let scene = self.by_content(self.scene_as_run(request)?)?;
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        self.prepare_scene(request)?.run(&Cores::new(1, 1))
+    }
+
+    fn prepare<'s>(
+        &'s self,
+        request: &RunRequest,
+    ) -> Result<Box<dyn PreparedRun + 's>, SimulatorError> {
+        Ok(Box::new(self.prepare_scene(request)?))
+    }
+}
+
+/// A scene that is ready to be run.
+#[derive(Debug)]
+pub struct SceneRun<'s> {
+    simulator: &'s SceneSimulator,
+    /// The scene of the request without what its run does not depend on.
+    scene: Scene,
+    seed: u64,
+    /// How many times as large as in the scene the seeds are.
+    factor: f64,
+}
+
+impl SceneRun<'_> {
+    /// The scene of the request without what its run does not depend on: what is run, and what the key is made of.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Its scene, for a caller that runs it itself.
+    pub fn into_scene(self) -> Scene {
+        self.scene
+    }
+}
+
+impl PreparedRun for SceneRun<'_> {
+    fn inputs(&self) -> Result<Value, SimulatorError> {
+        let scene = self.simulator.by_content(self.scene.clone())?;
         let settings = serde_json::to_value(&scene).map_err(SimulatorError::other)?;
         Ok(json!({ "scene": settings }))
     }
 
-    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
-        self.run_on(request, &Cores::new(1, 1))
+    fn cost(&self) -> f64 {
+        // Coarser seeds take fewer steps too: the stable one grows with the diameter.
+        expected_cost(&self.scene) / self.factor
     }
 
-    fn run_on(&self, request: &RunRequest, cores: &Cores) -> Result<RunOutcome, SimulatorError> {
-        let scene = self.scene_as_run(request)?;
+    fn run(&self, cores: &Cores) -> Result<RunOutcome, SimulatorError> {
         let begin = Instant::now();
-        let (result, only_seen) = self.run_or_see(&scene, request.seed, cores)?;
+        let (result, only_seen) = self.simulator.run_or_see(&self.scene, self.seed, cores)?;
         let effort = Effort {
             wall_s: begin.elapsed().as_secs_f64(),
             only_seen,
             ..Effort::default()
         };
-        outcome_of(&scene, &result, effort).map_err(SimulatorError::other)
-    }
-
-    fn expected_cost(&self, request: &RunRequest) -> f64 {
-        let scene = self.scene_as_run(request);
-        // Coarser seeds take fewer steps too: the stable one grows with the diameter.
-        let factor = self.factor(request).unwrap_or(1.0);
-        scene.map_or(1.0, |scene| expected_cost(&scene) / factor)
+        outcome_of(&self.scene, &result, effort).map_err(SimulatorError::other)
     }
 }
 

@@ -176,7 +176,7 @@ fn the_key_holds_what_the_result_depends_on() {
     let mut script = Script::new("echo '{\"a\": 1}' > results.json");
     let key = |script: &Script| {
         let simulator = script.simulator();
-        let inputs = simulator.inputs(&request(0.1)).unwrap();
+        let inputs = simulator.prepare(&request(0.1)).unwrap().inputs().unwrap();
         let record = campaign::run_store::Record::new(&simulator.version(), inputs, 7).unwrap();
         record.key().to_owned()
     };

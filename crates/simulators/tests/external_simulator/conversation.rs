@@ -96,7 +96,7 @@ fn what_the_code_does_not_have_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let simulator = simulator(folder.path(), 2.0, u64::MAX, &[]);
     let request = RunRequest::new("drum", 1).with_effect("cohesion", 0.5);
-    let error = simulator.inputs(&request).unwrap_err().to_string();
+    let error = simulator.prepare(&request).err().unwrap().to_string();
     assert!(
         error.contains("LAMMPS") && error.contains("attraction"),
         "{error}"

@@ -1,9 +1,10 @@
 //! What a request represents, and what its key is made of.
 
 use campaign::run_store::Store;
-use campaign::{Campaign, RunRequest, Silent, Simulator as _};
+use campaign::{Campaign, RunRequest, Silent, Simulator as _, SimulatorError};
 use dev_support::fixture_files::fixture;
 use scene::{Override, Scene};
+use serde_json::Value;
 use simulators::scene_simulator::{Binding, Error, NOT_STEADY, RunDetails, SceneSimulator};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -18,6 +19,11 @@ fn scene(name: &str, changes: &[(&str, &str)]) -> Scene {
         })
         .collect();
     Scene::read(&fixture(name), &changes).expect("the fixture is sound")
+}
+
+/// What the key of a request is made of.
+fn inputs_of(simulator: &SceneSimulator, request: &RunRequest) -> Result<Value, SimulatorError> {
+    simulator.prepare(request)?.inputs()
 }
 
 /// A drum of 56 coarse seeds that turns too shortly to be steady.
@@ -103,7 +109,7 @@ fn a_symbol_sets_all_its_paths_where_they_are() {
     assert!((rpm - 23.0).abs() < 1e-12, "{rpm}");
 
     let pull = RunRequest::new("sled", 1);
-    let inputs = |request: &RunRequest| simulator.inputs(request).unwrap();
+    let inputs = |request: &RunRequest| inputs_of(&simulator, request).unwrap();
     assert_eq!(
         inputs(&pull),
         inputs(&pull.clone().with_parameter("W", 0.27))
@@ -129,7 +135,7 @@ fn a_symbol_sets_all_its_paths_where_they_are() {
 
     let twice = BTreeMap::from([("a".into(), small_drum()), ("b".into(), small_drum())]);
     let twice = SceneSimulator::new(twice, BTreeMap::new()).unwrap();
-    let of = |model: &str| twice.inputs(&RunRequest::new(model, 1)).unwrap();
+    let of = |model: &str| inputs_of(&twice, &RunRequest::new(model, 1)).unwrap();
     assert_eq!(of("a"), of("b"));
     assert_eq!(
         of("a"),
@@ -167,7 +173,7 @@ fn the_inputs_follow_the_own_meshes() {
         write("a", a);
         write("b", b);
         let simulator = make().unwrap();
-        let of = |model: &str| simulator.inputs(&RunRequest::new(model, 1)).unwrap();
+        let of = |model: &str| inputs_of(&simulator, &RunRequest::new(model, 1)).unwrap();
         inputs.push([of("a"), of("b")]);
         assert_eq!(simulator.version(), drum_and_sled().version());
     }
@@ -186,7 +192,7 @@ fn the_inputs_follow_the_own_meshes() {
     }
     let models = BTreeMap::from([("a".to_owned(), typed)]);
     let simulator = SceneSimulator::new(models, BTreeMap::new()).unwrap();
-    let same = simulator.inputs(&RunRequest::new("a", 1)).unwrap();
+    let same = inputs_of(&simulator, &RunRequest::new("a", 1)).unwrap();
     assert_eq!(&same, a3, "same bytes, path typed otherwise");
 }
 
@@ -228,7 +234,7 @@ fn what_cannot_be_meant_is_refused_with_its_name() {
         (drum().with_condition("height", 1.0), "condition 'height'"),
         (drum().with_effect("no-such-effect", 1.0), "no-such-effect"),
     ] {
-        let error = simulator.inputs(&request).unwrap_err().in_full();
+        let error = inputs_of(&simulator, &request).unwrap_err().in_full();
         assert!(error.contains(says), "{error}");
     }
     let mut twice = bindings();
@@ -241,7 +247,7 @@ fn what_cannot_be_meant_is_refused_with_its_name() {
     let both = drum()
         .with_parameter("F", 0.1)
         .with_parameter("contact.seed-seed.static_friction", 0.2);
-    let error = simulator.inputs(&both).unwrap_err().in_full();
+    let error = inputs_of(&simulator, &both).unwrap_err().in_full();
     assert!(error.contains("another parameter"), "{error}");
 }
 
@@ -270,7 +276,7 @@ fn the_expected_cost_follows_the_work() {
     ];
     let models = models.map(|(name, scene)| (name.to_owned(), scene)).into();
     let simulator = SceneSimulator::new(models, BTreeMap::new()).unwrap();
-    let cost = |request: &RunRequest| simulator.expected_cost(request);
+    let cost = |request: &RunRequest| simulator.prepare(request).unwrap().cost();
     let of = |model: &str| cost(&RunRequest::new(model, 1));
     let ratio = |a: f64, b: f64, expected: f64| assert!((a / b - expected).abs() < 1e-9, "{a} {b}");
     ratio(of("six"), of("two"), 3.0);
@@ -374,7 +380,10 @@ fn a_run_that_diverges_is_tried_again_with_half_the_step() {
     assert!(error.contains("time step"), "{error}");
     assert!(!error.contains("tried before"), "{error}");
     let patient = simulator(4);
-    let (key, again) = (simulator(0).inputs(&request), patient.inputs(&request));
+    let (key, again) = (
+        inputs_of(&simulator(0), &request),
+        inputs_of(&patient, &request),
+    );
     assert_eq!(key.unwrap(), again.unwrap());
     let outcome = patient.run(&request).unwrap();
     let timing = &outcome.details["timing"];
@@ -400,8 +409,8 @@ fn coarser_seeds_are_a_parameter_of_a_request() {
     assert_eq!(coarse.seed_count(), 17);
     assert_eq!(coarse.seed[0].scale, Some(1.5));
     assert_ne!(
-        simulator.inputs(&of(1.5)).unwrap(),
-        simulator.inputs(&RunRequest::new("drum", 1)).unwrap()
+        inputs_of(&simulator, &of(1.5)).unwrap(),
+        inputs_of(&simulator, &RunRequest::new("drum", 1)).unwrap()
     );
     for factor in [0.0, f64::NAN] {
         let refused = simulator.scene_of(&of(factor)).unwrap_err().to_string();

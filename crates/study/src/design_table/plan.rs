@@ -66,7 +66,8 @@ pub(super) fn is_kept(
     request: &RunRequest,
     store: Option<&Store>,
 ) -> Result<bool, Error> {
-    let (Some(store), Ok(inputs)) = (store, simulator.inputs(request)) else {
+    let inputs = simulator.prepare(request).and_then(|run| run.inputs());
+    let (Some(store), Ok(inputs)) = (store, inputs) else {
         return Ok(false);
     };
     let blank = Record::new(&simulator.version(), inputs, request.seed)?;

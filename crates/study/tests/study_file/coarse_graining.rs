@@ -43,5 +43,5 @@ fn scenes_have_coarser_grains_in_their_runs() {
     let simulator = study.simulator(&folder.path("out")).unwrap();
     let request = campaign::RunRequest::new(&study.problem.models[0].name, 1);
     let request = request.with_parameter(inference::CoarseGraining::SYMBOL, 1.33);
-    assert!(simulator.inputs(&request).is_ok());
+    assert!(simulator.prepare(&request).is_ok());
 }

@@ -1,7 +1,7 @@
 //! One run of a scene as a record that the store can keep.
 
 use campaign::run_store::Record;
-use campaign::{RunRequest, Simulator as _};
+use campaign::{PreparedRun as _, RunRequest, Simulator as _};
 use scene::{Keeper, Progress, RunResult, Scene, run_retrying};
 use simulators::scene_simulator::{Effort, SceneSimulator, outcome_of};
 use std::collections::BTreeMap;
@@ -14,9 +14,11 @@ const MODEL: &str = "scene";
 #[derive(Debug)]
 pub(super) struct SingleRun {
     scene: Scene,
-    /// The run of it with nothing changed.
-    request: RunRequest,
-    /// Bodies, version of the code, and what the run depends on.
+    /// The scene without what its run does not depend on.
+    scene_as_run: Scene,
+    /// The record without results.
+    blank: Record,
+    /// Makes the bodies.
     simulator: SceneSimulator,
 }
 
@@ -24,29 +26,29 @@ impl SingleRun {
     /// Prepares a run.
     ///
     /// # Errors
-    /// A mesh that cannot be read.
+    /// A mesh that cannot be read; a scene with a number that is not finite.
     pub(super) fn new(scene: Scene, seed: u64) -> anyhow::Result<Self> {
         let scenes = BTreeMap::from([(MODEL.to_owned(), scene.clone())]);
+        let simulator = SceneSimulator::new(scenes, BTreeMap::new())?;
+        let run = simulator.prepare_scene(&RunRequest::new(MODEL, seed))?;
+        let blank = Record::new(&simulator.version(), run.inputs()?, seed)?;
+        let scene_as_run = run.into_scene();
         Ok(Self {
             scene,
-            request: RunRequest::new(MODEL, seed),
-            simulator: SceneSimulator::new(scenes, BTreeMap::new())?,
+            scene_as_run,
+            blank,
+            simulator,
         })
     }
 
-    /// The scene as it is run.
+    /// The scene as it was read.
     pub(super) fn scene(&self) -> &Scene {
         &self.scene
     }
 
     /// The record without results: its key is made of all that the run depends on.
-    ///
-    /// # Errors
-    /// A scene with a number that is not finite.
-    pub(super) fn blank_record(&self) -> anyhow::Result<Record> {
-        let inputs = self.simulator.inputs(&self.request)?;
-        let version = self.simulator.version();
-        Ok(Record::new(&version, inputs, self.request.seed)?)
+    pub(super) fn blank_record(&self) -> &Record {
+        &self.blank
     }
 
     /// Runs the scene on at most so many threads, on from where it was left, and again with half the step if it diverges,
@@ -56,12 +58,11 @@ impl SingleRun {
     /// A scene that cannot be built, a solver that stops, frames without a surface.
     pub(super) fn run(
         &self,
-        blank: Record,
         (threads, retries): (usize, u32),
         left: Option<Progress>,
         keeper: &mut dyn Keeper,
     ) -> anyhow::Result<(Record, RunResult)> {
-        let scene = &self.simulator.scene_as_run(&self.request)?;
+        let scene = &self.scene_as_run;
         let library = self.simulator.fillings();
         let begin = Instant::now();
         for seed in &scene.seed {
@@ -70,7 +71,7 @@ impl SingleRun {
         let filling_s = begin.elapsed().as_secs_f64();
         let (begin, cpu_before) = (Instant::now(), cpu_seconds());
         let continued = left.is_some();
-        let seed = self.request.seed;
+        let seed = self.blank.seed();
         let result = run_retrying(scene, library, seed, threads, left, keeper, retries)?;
         let effort = Effort {
             wall_s: begin.elapsed().as_secs_f64(),
@@ -82,6 +83,7 @@ impl SingleRun {
             only_seen: false,
         };
         let outcome = outcome_of(scene, &result, effort)?;
+        let blank = self.blank.clone();
         let record = blank
             .with_observables(outcome.observables)?
             .with_regime(outcome.regime)
