@@ -22,7 +22,6 @@ pub(crate) enum Permit<'k> {
 pub(crate) struct Hold<'k> {
     /// Who keeps it alive.
     keeper: &'k Keeper<'k>,
-    /// The claim.
     claim: Arc<Claim>,
 }
 

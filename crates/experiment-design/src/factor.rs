@@ -39,7 +39,6 @@ pub struct Factor {
 struct RawFactor {
     /// Short name.
     symbol: String,
-    /// Its name.
     #[serde(default)]
     name: String,
     /// Unit of the bounds.

@@ -15,7 +15,6 @@ const SAMPLES: u32 = 3;
 const PIXELS: [u32; 2] = [16, 4096];
 /// Background, near white.
 const PAPER: [u8; 3] = [250, 250, 248];
-/// Colour of the mesh.
 const MESH_COLOUR: [u8; 3] = [110, 170, 225];
 /// Weight of the mesh colour in front of other surfaces.
 const MESH_OPACITY: f64 = 0.3;

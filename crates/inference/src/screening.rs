@@ -18,7 +18,6 @@ const STAGE: u64 = 1;
 pub(crate) struct Screened {
     /// Numbers of the parameters that continue, by model of role fit.
     pub(crate) active: BTreeMap<usize, Vec<usize>>,
-    /// The screenings.
     pub(crate) screenings: Vec<ModelScreening>,
     /// Runs by model, for what must be said of them.
     pub(crate) runs: BTreeMap<usize, Samples>,

@@ -294,7 +294,6 @@ impl PhotoPixels {
     }
 }
 
-/// Adds a row to sums.
 fn add(sums: &mut [f64], row: &[f32]) {
     for (sum, value) in sums.iter_mut().zip(row) {
         *sum += f64::from(*value);

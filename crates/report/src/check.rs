@@ -12,7 +12,6 @@ pub(crate) struct Field {
 }
 
 impl Field {
-    /// A field of a chart.
     pub(crate) const fn new(chart: &'static str, field: &'static str) -> Self {
         Self { chart, field }
     }

@@ -16,12 +16,10 @@ pub(crate) enum Sample<'a> {
     Patch(&'a str, f64),
 }
 
-/// One entry of a legend.
 #[derive(Debug, Clone)]
 pub(crate) struct LegendEntry<'a> {
     /// What is drawn before the name.
     pub(crate) sample: Sample<'a>,
-    /// Name.
     pub(crate) name: &'a str,
 }
 

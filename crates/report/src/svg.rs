@@ -34,7 +34,6 @@ impl std::fmt::Display for Svg {
 /// How a line is drawn.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stroke<'a> {
-    /// Colour.
     pub(crate) colour: &'a str,
     /// Width, px.
     pub(crate) width: f64,
@@ -80,7 +79,6 @@ pub(crate) struct TextStyle<'a> {
     pub(crate) size: f64,
     /// Which part stands at the place.
     pub(crate) anchor: Anchor,
-    /// Colour.
     pub(crate) colour: &'a str,
     /// Turn about the place, clockwise, degrees as SVG counts them.
     pub(crate) turn: f64,
@@ -328,7 +326,6 @@ impl Canvas {
         ));
     }
 
-    /// A text.
     pub(crate) fn text(&mut self, place: Point, text: &str, style: &TextStyle<'_>) {
         // The middle of lower-case and capital letters lies about 0.35 sizes above the baseline.
         let [x, y, drop, size, turn] =

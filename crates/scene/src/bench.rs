@@ -26,7 +26,6 @@ use std::sync::Arc;
 struct BenchParts {
     /// Name of the kind of seed.
     name: String,
-    /// The seed.
     body: Arc<SeedBody>,
     /// The seed as a body type of material 0.
     template: Template,

@@ -75,7 +75,6 @@ mod tests {
         pea-wall = { restitution = 0.3, static_friction = 0.2, rolling_friction = 0.1 }
     "#;
 
-    /// The scene with changes.
     fn scene(changes: &[(&str, &str)]) -> Scene {
         let changes: Vec<_> = changes
             .iter()

@@ -76,7 +76,6 @@ impl MaterialSettings {
 struct Stated {
     /// Poisson's ratio.
     poisson_ratio: PoissonRatio,
-    /// Shear modulus.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     shear_modulus: Option<Pressure>,
     /// Young's modulus.

@@ -33,7 +33,6 @@ impl Plan {
         }
     }
 
-    /// The outlets of a phase.
     pub(crate) fn outlets(&self, phase: usize) -> &[Outlet] {
         self.phases.get(phase).map_or(&[], |phase| &phase.outlets)
     }

@@ -49,7 +49,6 @@ struct Chord {
     end: f64,
 }
 
-/// Cuts the chords of one sphere.
 fn cut(sphere: &Sphere, step: f64, chords: &mut Vec<Chord>) {
     #[expect(
         clippy::cast_possible_truncation,

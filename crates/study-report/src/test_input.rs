@@ -28,7 +28,6 @@ pub(crate) struct Example {
 }
 
 impl Example {
-    /// The input of the report.
     pub(crate) fn input(&self) -> ReportInput<'_> {
         ReportInput {
             name: &self.name,

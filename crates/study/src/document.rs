@@ -83,7 +83,6 @@ impl Document {
             .copied()
     }
 
-    /// The value at a path.
     pub(crate) fn value(&self, path: &str) -> Option<&Value> {
         let mut steps = path.split(STEP);
         let mut value = self.table.get(steps.next()?)?;

@@ -42,7 +42,6 @@ pub(crate) fn of<'s>(
     Ok(inputs)
 }
 
-/// All files in a folder and in the folders in it.
 fn files_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let told = |source| Error::Read {
         path: folder.to_owned(),

@@ -48,7 +48,6 @@ impl StudySimulator {
         }
     }
 
-    /// As a simulator.
     fn inner(&self) -> &dyn Simulator {
         match self {
             Self::Own(scenes) => scenes,

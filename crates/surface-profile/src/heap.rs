@@ -185,7 +185,6 @@ impl Base {
 
 /// An outline over a base.
 struct Outline<'a> {
-    /// The points.
     points: &'a [SurfacePoint],
     /// Their base.
     base: Base,

@@ -28,7 +28,6 @@ static ASIDE_NUMBER: AtomicU64 = AtomicU64::new(0);
 pub(crate) struct Folder {
     /// Where it is.
     pub(crate) path: PathBuf,
-    /// This machine.
     pub(crate) machine: Machine,
     /// The disk that writes its files.
     pub(crate) disk: Disk,

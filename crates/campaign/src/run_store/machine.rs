@@ -50,7 +50,6 @@ impl Machine {
     }
 }
 
-/// Name of this host.
 #[cfg(unix)]
 fn host_name() -> String {
     rustix::system::uname()

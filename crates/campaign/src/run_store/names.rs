@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 
 /// Ending of a record file.
 const RECORD_ENDING: &str = ".json";
-/// Ending of a claim.
 const CLAIM_ENDING: &str = ".claim";
 /// Ending of a note on a run that failed.
 const FAILURE_ENDING: &str = ".failed";
@@ -26,7 +25,6 @@ pub(crate) fn record(folder: &Path, key: &str) -> PathBuf {
     folder.join(format!("{key}{RECORD_ENDING}"))
 }
 
-/// The claim of a key.
 pub(crate) fn claim(folder: &Path, key: &str) -> PathBuf {
     folder.join(format!(".{key}{CLAIM_ENDING}"))
 }

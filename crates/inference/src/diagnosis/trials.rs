@@ -207,7 +207,6 @@ pub fn usual_truths(problem: &Problem, strength: f64) -> Result<Vec<Truth>, Erro
 
 /// A design with its exact sensitivities.
 pub(crate) struct Design<'a> {
-    /// The problem.
     problem: &'a Problem,
     /// Nothing on.
     nominal: Fit,
@@ -458,7 +457,6 @@ fn same(a: &[String], b: &[String]) -> bool {
     a.len() == b.len() && a.iter().all(|name| b.contains(name))
 }
 
-/// Noise of a covariance.
 pub(crate) fn noise(covariance: &Covariance, stream: &mut Stream) -> DVector<f64> {
     let white = DVector::from_fn(covariance.rows(), |_, _| stream.normal());
     covariance.noise_from(&white)

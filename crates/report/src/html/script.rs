@@ -42,7 +42,6 @@ impl Script {
     }
 }
 
-/// The script elements.
 pub(crate) fn elements(scripts: &[Script]) -> String {
     let element = |script: &Script| format!("<script>{}</script>\n", script.text());
     scripts.iter().map(element).collect()

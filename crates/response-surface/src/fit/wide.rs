@@ -15,7 +15,6 @@ pub(crate) struct Wide {
 }
 
 impl Wide {
-    /// Zero.
     pub(crate) const ZERO: Self = Self {
         high: 0.0,
         low: 0.0,

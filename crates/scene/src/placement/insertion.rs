@@ -308,7 +308,6 @@ impl Cells {
         }
     }
 
-    /// The cell of a place.
     fn cell(&self, place: &Vector3<f64>) -> [i64; 3] {
         #[expect(
             clippy::cast_possible_truncation,

@@ -38,7 +38,6 @@ pub(crate) struct Shares {
 }
 
 impl Shares {
-    /// Of the seeds of a scene.
     pub(crate) fn of(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Self {
         let over_seeds = |share: fn(&SeedBody) -> f64| {
             let kinds = scene.seed.iter().zip(bodies);

@@ -75,7 +75,6 @@ mod usual {
     }
 }
 
-/// The drum of one run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DrumOfRun {
     /// The drum and a camera in front of it.

@@ -17,7 +17,6 @@ pub struct BodyDetails {
 }
 
 impl BodyDetails {
-    /// The seeds of a frame.
     pub(crate) fn of(frame: &Frame, bodies: &[Arc<SeedBody>]) -> Self {
         let spheres = |body: &Arc<SeedBody>| {
             let spheres = body.outer.spheres().iter();

@@ -15,7 +15,6 @@ const SEED_PIXELS: u32 = 480;
 /// A kind of seed as a body, once for each distinct filling.
 #[derive(Debug)]
 pub(crate) struct FilledSeed {
-    /// Name.
     pub(crate) name: String,
     /// Names of the models whose scenes hold it.
     pub(crate) models: Vec<String>,

@@ -5,7 +5,6 @@ use report::{Axis, Mark, Plot, PlotPoint, Shape, colour};
 /// A condition under which something was measured.
 #[derive(Debug)]
 pub(crate) struct ResidualCondition {
-    /// Its name.
     pub(crate) name: String,
     /// Whether the fit used it; otherwise it was kept for the check.
     pub(crate) is_used: bool,

@@ -289,7 +289,6 @@ fn values_of(request: &RunRequest) -> impl Iterator<Item = (&str, f64)> {
         .map(|(name, value)| (name.as_str(), *value))
 }
 
-/// A run in words.
 pub(super) fn run_in_words(request: &RunRequest) -> String {
     let mut parts = vec![request.model.clone()];
     parts.extend(values_of(request).map(|(name, value)| format!("{name} = {}", digits(value))));

@@ -56,7 +56,6 @@ pub(super) struct Setter {
     pub(super) coded: Option<Factor>,
 }
 
-/// All columns.
 #[derive(Debug)]
 pub(super) struct Columns {
     /// Their roles, in the order of the header; `None` if a column is wrong.
