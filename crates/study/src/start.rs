@@ -53,7 +53,7 @@ impl Study {
                 }
                 let known: Vec<&str> = found.keys().map(String::as_str).collect();
                 return Err(wrong(format!(
-                    "parameter {} is missing; there are {}",
+                    "parameter {} is missing; the file has {}",
                     p.symbol,
                     known.join(", ")
                 )));

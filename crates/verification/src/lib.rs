@@ -44,7 +44,7 @@ pub enum Error {
         source: CheckError,
     },
     /// No check has the name.
-    #[error("no check is named '{name}'; there are {known}")]
+    #[error("unknown check '{name}'; expected one of {known}")]
     NoSuchCheck {
         /// The name given.
         name: String,

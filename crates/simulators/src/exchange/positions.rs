@@ -65,7 +65,7 @@ impl Rows<'_> {
         let needed = |name: &str| {
             find(name).ok_or_else(|| {
                 let what = format!(
-                    "column '{name}' is missing; there are {}",
+                    "column '{name}' is missing; the columns are {}",
                     self.columns.join(", ")
                 );
                 self.wrong(self.header_line, what)

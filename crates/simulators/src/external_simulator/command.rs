@@ -131,7 +131,7 @@ impl CommandSimulator {
             for place in places(entry) {
                 if place != "arguments" && !names.iter().any(|name| name == place) {
                     let problem = format!(
-                        "is the name of no parameter, condition or effect; there are {}",
+                        "is not a parameter, condition or effect; expected one of {}",
                         names.join(", ")
                     );
                     return Err(wrong(&format!("[simulator] command: {{{place}}}"), problem));
@@ -182,7 +182,7 @@ impl CommandSimulator {
             let known: Vec<&str> = self.models.keys().map(String::as_str).collect();
             SimulatorError::Refused {
                 reason: format!(
-                    "no model '{}'; there are {}",
+                    "unknown model '{}'; expected one of {}",
                     request.model,
                     known.join(", ")
                 ),

@@ -35,7 +35,7 @@ impl Template {
                     return Err(Error::Setting {
                         what: format!("{}: {{{{{name}}}}}", folder.join(path).display()),
                         problem: format!(
-                            "is the name of no parameter, condition or effect; there are {}",
+                            "is not a parameter, condition or effect; expected one of {}",
                             names.join(", ")
                         ),
                     });
@@ -185,7 +185,7 @@ mod tests {
             .unwrap_err()
             .to_string();
         assert!(
-            error.contains("{{rpm}}") && error.contains("there are mu"),
+            error.contains("{{rpm}}") && error.contains("one of mu"),
             "{error}"
         );
     }

@@ -178,7 +178,7 @@ impl SceneSimulator {
     pub fn scene_of(&self, request: &RunRequest) -> Result<Scene, SimulatorError> {
         let model = self.models.get(&request.model).ok_or_else(|| {
             refused(format!(
-                "no model '{}'; there are {}",
+                "unknown model '{}'; expected one of {}",
                 request.model,
                 names(&self.models)
             ))
@@ -253,7 +253,7 @@ impl SceneSimulator {
         for (symbol, value) in all_of_request.filter(of_settings) {
             let binding = self.bindings.get(symbol).ok_or_else(|| {
                 refused(format!(
-                    "no parameter '{symbol}'; there are {}",
+                    "unknown parameter '{symbol}'; expected one of {}",
                     names(&self.bindings)
                 ))
             })?;

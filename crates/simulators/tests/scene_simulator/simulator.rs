@@ -227,8 +227,8 @@ fn what_cannot_be_meant_is_refused_with_its_name() {
     let simulator = drum_and_sled();
     let drum = || RunRequest::new("drum", 1);
     for (request, says) in [
-        (RunRequest::new("heap", 1), "no model 'heap'"),
-        (drum().with_parameter("G", 0.1), "no parameter 'G'"),
+        (RunRequest::new("heap", 1), "model 'heap'"),
+        (drum().with_parameter("G", 0.1), "parameter 'G'"),
         (drum().with_parameter("F", -0.1), "-0.1"),
         (drum().with_condition("seed_count", 1.5), "seed_count"),
         (drum().with_condition("height", 1.0), "condition 'height'"),

@@ -58,7 +58,7 @@ fn a_start_that_lacks_a_parameter_or_leaves_the_limits_is_refused() {
     write_result(&folder.path("result.json"), &result, &[]).unwrap();
     for (name, words) in [
         ("parameters.toml", ["W = 1.6", "limits 0 to 1.5"]),
-        ("result.json", ["W is missing", "there are F"]),
+        ("result.json", ["W is missing", "has F"]),
     ] {
         let message = study
             .values_from(&folder.path(name))
