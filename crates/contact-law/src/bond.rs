@@ -44,7 +44,7 @@ pub struct BondStrength {
     pub shear: f64,
 }
 
-/// What a user states about bonds.
+/// Settings of bonds, as a user states them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BondSettings {
     /// Normal stiffness per unit area `S_n`, N/m³.

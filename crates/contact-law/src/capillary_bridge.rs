@@ -37,7 +37,7 @@ use std::f64::consts::PI;
 /// bears.
 const LEAST_VOLUME: f64 = 1e-30;
 
-/// What liquid and surfaces decide about all their bridges.
+/// Properties of liquid and surfaces that all their bridges share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CapillaryBridge {
     /// Surface tension, N/m.

@@ -21,7 +21,7 @@ pub const STEP_SHARE: f64 = 0.36;
 /// Duration of the collision of a sphere times speed over deepest overlap, `[Hertz1881]`.
 const DURATION: f64 = 2.9432;
 
-/// What decides how hard two bodies meet, beside their shapes and masses.
+/// Conditions of an impact besides the shapes and masses of the bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Impact {
     /// Effective modulus E*, Pa.

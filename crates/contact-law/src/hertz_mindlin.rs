@@ -34,7 +34,7 @@ use crate::{Error, in_range};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// What happens when the dashpot would pull at the end of a contact.
+/// Treatment of a normal force that would pull at the end of a contact.
 ///
 /// The choice changes the rebound: with restitution 0.06 put in, the attractive end returns
 /// 0.06 and the clipped one 0.22 (measured by this file's tests).

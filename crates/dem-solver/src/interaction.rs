@@ -50,7 +50,7 @@ pub struct OptionalLaws {
     pub pull: f64,
 }
 
-/// What a user states about two surfaces.
+/// Settings of the contact of two surfaces, as a user states them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InteractionSettings {
     /// Materials of the two sides.
@@ -59,7 +59,7 @@ pub struct InteractionSettings {
     pub parameters: PairParameters,
     /// Attraction of one touching pair of spheres, N.
     pub attraction: f64,
-    /// What happens when the dashpot would pull.
+    /// Treatment of a dashpot that would pull.
     pub end: NormalForceEnd,
 }
 

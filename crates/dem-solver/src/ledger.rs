@@ -44,7 +44,7 @@ pub struct EnergyTerms {
 }
 
 impl EnergyTerms {
-    /// What must stay constant, J.
+    /// The sum that must stay constant, J.
     pub fn balance(&self) -> f64 {
         self.kinetic + self.potential + self.elastic + self.damped + self.rubbed + self.rolled
             - self.driven

@@ -50,7 +50,7 @@ struct PairTable {
     /// The earlier body.
     other: Vec<u32>,
     /// Sum of the travels of both bodies above which the pair is awake, m: minus infinity for a
-    /// pair that touches, else where its nearest spheres could.
+    /// pair in contact, otherwise the travel after which its nearest spheres could touch.
     wake: Vec<f32>,
 }
 

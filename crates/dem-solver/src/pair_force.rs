@@ -24,7 +24,7 @@ use nalgebra::{Matrix3, Vector3};
 /// for some at a time it is fetched side by side, and stays in the first-level cache until it is used.
 const BLOCK: usize = 16;
 
-/// Whole numbers as numbers in a register.
+/// Loads stored whole numbers into a register as `f32`.
 #[inline(always)]
 fn numbers_of<S: Simd>(simd: S, stored: &[i16; CHUNK]) -> f32x8<S> {
     let mut numbers = [0.0; CHUNK];

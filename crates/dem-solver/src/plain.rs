@@ -14,7 +14,7 @@ use crate::wall_force::sphere_at_wall;
 use crate::world::World;
 use std::collections::BTreeMap;
 
-/// What the contacts remember, by (body, body or wall, sphere pair).
+/// State of the contacts, by (body, body or wall, sphere pair).
 #[derive(Debug, Clone, Default)]
 pub struct History {
     /// Between bodies.

@@ -8,7 +8,7 @@ const OVERLAPPING_SKIN: f64 = 0.1;
 /// Skin of the lists of separate spheres, radii of the smallest.
 const SEPARATE_SKIN: f64 = 0.7;
 
-/// What a world needs beside bodies and walls.
+/// Settings of a world besides its bodies and walls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Time step, s.

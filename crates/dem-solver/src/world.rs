@@ -461,7 +461,7 @@ impl World {
         self.mesh_walls.advance(self.settings.time_step, self.time);
     }
 
-    /// What moves the bodies beside their loads.
+    /// Time step, gravity and spin of the reference frame: what moves the bodies apart from their loads.
     fn surroundings(&self) -> Surroundings {
         Surroundings {
             time_step: self.settings.time_step,

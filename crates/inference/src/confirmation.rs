@@ -33,7 +33,7 @@ pub(crate) struct Confirmed {
     pub(crate) rounds: Vec<ConfirmationRound>,
     /// Whether the last round agrees with its surfaces.
     pub(crate) agrees: bool,
-    /// What a reader should know.
+    /// Remarks for the reader.
     pub(crate) remarks: Vec<String>,
 }
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What a measurement serves for; decided before anyone looks at a result.
+/// Use of a measurement; decided before anyone looks at a result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
@@ -36,7 +36,7 @@ pub struct Measurement {
     pub model: usize,
     /// Name of the observable.
     pub observable: String,
-    /// What it serves for.
+    /// Its use.
     pub role: Role,
     /// Mean, in the unit of the observable.
     pub mean: f64,

@@ -28,7 +28,7 @@ impl RunList {
 /// A stage of the plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedStage {
-    /// What it is.
+    /// Name for the reader.
     pub stage: String,
     /// Its runs, without those that only its result asks for.
     pub certain: Vec<RunList>,

@@ -23,7 +23,7 @@ pub struct PowerTable {
     pub effects: usize,
     /// By size.
     pub rows: Vec<Power>,
-    /// What could be added, in words, with the power at six standard errors.
+    /// Possible additions, as text, with the power at six standard errors.
     pub with_more: Vec<(String, Power)>,
 }
 

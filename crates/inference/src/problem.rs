@@ -21,11 +21,11 @@ use std::collections::BTreeMap;
 pub struct Parameter {
     /// Short name; also the name in [`campaign::RunRequest::parameters`].
     pub symbol: String,
-    /// What it is, in words.
+    /// Description for the reader.
     pub name: String,
     /// Unit of all values below; `1` where dimensionless.
     pub unit: String,
-    /// What it represents in the simulator, for the reader; one number sets all of them.
+    /// Settings of the simulator that it represents, for the reader; one number sets all of them.
     pub sets: Vec<String>,
     /// Lower and upper end of the box in which the search begins.
     pub range: [f64; 2],
@@ -58,7 +58,7 @@ pub struct Model {
     pub name: String,
     /// Name of the scene, for the reader.
     pub scene: String,
-    /// What distinguishes it from other models of the scene, by setting, for the reader.
+    /// Settings that distinguish it from other models of the scene, for the reader.
     pub condition: BTreeMap<String, String>,
     /// Numbers of the parameters on which its runs depend, in rising order.
     pub parameters: Vec<usize>,
@@ -92,18 +92,18 @@ pub struct Candidate {
 pub struct CalibrationProblem {
     /// Name.
     pub id: String,
-    /// What may be tuned, 1 to 12, and behind them the [inputs](Parameter::is_input) that have an error, 12 at most.
+    /// Parameters to be tuned, 1 to 12, followed by at most 12 [inputs](Parameter::is_input) that have an error.
     pub parameters: Vec<Parameter>,
     /// The experiments.
     pub models: Vec<Model>,
-    /// What was measured, in the order of the file.
+    /// The measurements, in the order of the file.
     pub measurements: Vec<Measurement>,
     /// Which measured means are correlated; all others are independent.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub correlations: Vec<Correlation>,
     /// Effects to search in the residual; `None` if nothing is to be diagnosed.
     pub effects: Vec<EffectProbe>,
-    /// What could be measured next.
+    /// Measurements that could be made next.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub candidates: Vec<Candidate>,
     /// Models whose runs have coarser grains than the real ones; none if all grains have their real size.

@@ -10,11 +10,11 @@ use std::collections::BTreeMap;
 pub struct Estimate {
     /// Symbol.
     pub symbol: String,
-    /// What it is.
+    /// Name for the reader.
     pub name: String,
     /// Unit of all values.
     pub unit: String,
-    /// What it represents in the simulator.
+    /// Settings of the simulator that it represents.
     pub sets: Vec<String>,
     /// The value in use before.
     pub start: f64,
@@ -37,11 +37,11 @@ pub struct Estimate {
 pub struct InputEstimate {
     /// Symbol.
     pub symbol: String,
-    /// What it is.
+    /// Name for the reader.
     pub name: String,
     /// Unit of all values.
     pub unit: String,
-    /// What it represents in the simulator.
+    /// Settings of the simulator that it represents.
     pub sets: Vec<String>,
     /// Its value as it was stated.
     pub stated: f64,
@@ -75,11 +75,11 @@ pub struct Comparison {
     pub condition: BTreeMap<String, String>,
     /// Observable; its ending is its unit.
     pub observable: String,
-    /// What the measurement serves for.
+    /// Use of the measurement.
     pub role: Role,
-    /// What was measured.
+    /// The measured value.
     pub measured: MeasuredMean,
-    /// What the simulator shows.
+    /// The simulated value.
     pub simulated: SimulatedMean,
     /// Standard error of the prediction from the uncertainty of the parameters alone; `None` if it is not known.
     pub parameter_se: Option<f64>,
@@ -155,7 +155,7 @@ pub struct ModelSurfaces {
     pub keys: Vec<String>,
     /// Values by observable, in the order of the points.
     pub values: BTreeMap<String, Vec<f64>>,
-    /// What the fresh runs at the estimate have added to the surface of each observable, in its unit.
+    /// Shift of the surface of each observable by the fresh runs at the estimate, in its unit.
     pub shifts: BTreeMap<String, f64>,
     /// Analysis of the surface of each observable, [shifted](Self::shifts); `None` if the runs are too few for it.
     pub fits: BTreeMap<String, Option<Fit>>,
@@ -214,7 +214,7 @@ pub struct SizeTrend {
 pub struct ConfirmationRound {
     /// Where, in the order of the parameters.
     pub at: Vec<f64>,
-    /// What the runs show beside what the surfaces predicted.
+    /// Values of the runs beside those that the surfaces predicted.
     pub rows: Vec<ConfirmationRow>,
     /// Whether they agree.
     pub confirmed: bool,
@@ -227,11 +227,11 @@ pub struct ConfirmationRow {
     pub model: String,
     /// Observable.
     pub observable: String,
-    /// What the surface says.
+    /// Prediction of the surface.
     pub predicted: f64,
     /// Its standard error.
     pub predicted_se: f64,
-    /// What the runs show.
+    /// Mean of the runs.
     pub simulated: SimulatedMean,
     /// Difference in standard errors of both, as a normal score.
     pub z: f64,
@@ -323,7 +323,7 @@ pub enum DiagnosisStage {
     },
 }
 
-/// What a stage cost.
+/// Cost of a stage.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StageCost {
     /// Name of the stage.
@@ -376,12 +376,12 @@ pub struct Calibration {
     pub confirmations: Vec<ConfirmationRound>,
     /// The estimate from all measurements; `None` if it was not asked for, or there is no check.
     pub joint: Option<JointEstimate>,
-    /// What the residual says.
+    /// Diagnosis of the residual.
     pub diagnosis: DiagnosisStage,
     /// Measurements and parameters with the missing effects added; `None` if nothing is named.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub with_effects: Option<WithEffects>,
-    /// What a reader should know.
+    /// Remarks for the reader.
     pub remarks: Vec<String>,
     /// Whether the fit is met and the checks hold, by the model of the file or with the effects that are named.
     pub met: bool,

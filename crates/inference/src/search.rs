@@ -49,7 +49,7 @@ pub(crate) struct Search<'a> {
     /// The regime that the surfaces of each model describe.
     regime: BTreeMap<usize, String>,
     pub(crate) boxes: Vec<SearchBox>,
-    /// What a reader should know.
+    /// Remarks for the reader.
     pub(crate) remarks: Vec<String>,
 }
 

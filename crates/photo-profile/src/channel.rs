@@ -18,7 +18,7 @@ const LEAST: f64 = 2.0;
 /// Part of the best squared distance from which on the luminance is good enough, and a single channel.
 const GOOD_ENOUGH: [f64; 2] = [0.5, 0.8];
 
-/// What the grey level of a measurement is made of.
+/// Source of the grey level of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Channel {

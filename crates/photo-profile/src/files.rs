@@ -114,7 +114,7 @@ impl PictureFiles {
         Ok(found)
     }
 
-    /// What was left out, in words; none if nothing was.
+    /// Message about what was left out; `None` if nothing was.
     pub fn remark(&self) -> Option<String> {
         remark(&self.left_out)
     }

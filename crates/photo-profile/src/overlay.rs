@@ -157,7 +157,7 @@ impl Pen {
         self.angle(heap.mean);
     }
 
-    /// What was found if nothing was measured.
+    /// Draws the findings if nothing was measured.
     fn refused(&mut self, refused: &RefusedReading) {
         if let Some(drum) = refused.drum {
             self.circle(drum, false);

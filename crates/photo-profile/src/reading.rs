@@ -269,7 +269,7 @@ impl PhotoReading {
         }
     }
 
-    /// What was found if nothing was measured.
+    /// The findings if nothing was measured.
     pub fn refused(&self) -> Option<&RefusedReading> {
         match self {
             Self::Refused(refused) => Some(refused),

@@ -24,7 +24,7 @@ impl DrumPixels {
     }
 }
 
-/// What the picture shows.
+/// Content of the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Mode {
@@ -59,7 +59,7 @@ pub struct Settings {
     pub camera_roll: f64,
     /// Which slope a caller wants; all three are measured.
     pub definition: Definition,
-    /// What the picture shows.
+    /// Content of the picture.
     pub mode: Mode,
     /// Which tone the bed has.
     pub foreground: Foreground,

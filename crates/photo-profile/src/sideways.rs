@@ -11,7 +11,7 @@ const TOLERANCE: f64 = 3.0 * std::f64::consts::PI / 180.0;
 /// Standard deviations of the other pictures within which an angle is one of theirs.
 const WITHIN_SD: f64 = 3.0;
 
-/// What one picture of a series says about how it was taken.
+/// Evidence of one picture of a series about how it was taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Posture {
     /// Pixels along x and y.

@@ -403,7 +403,7 @@ pub struct Plot {
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-    /// What is drawn, the first lowest.
+    /// The marks, the lowest first.
     pub marks: Vec<Mark>,
     /// Scale of colours; `None` without one.
     pub bar: Option<ColourBar>,

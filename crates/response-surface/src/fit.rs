@@ -37,7 +37,7 @@ use crate::surface::natural::natural_terms;
 use crate::{BoxExtremes, Canonical, DataRegion, Error, Model, NamedValues, Observations};
 use probability::t_two_sided_quantile;
 
-/// What the weights of the observations are taken from.
+/// Source of the weights of the observations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Weighting {
@@ -96,7 +96,7 @@ pub struct Fit {
     pub factors: Vec<Factor>,
     /// The terms.
     pub formula: Model,
-    /// What the weights were taken from.
+    /// Source of the weights.
     pub weighting: Weighting,
     /// Mean number of runs behind an observation.
     pub mean_count: f64,
@@ -165,7 +165,7 @@ pub struct Fit {
     pub coef_natural_units: NamedValues<f64>,
     /// Coefficients in natural units with their tests; no sums of squares.
     pub terms_natural: NamedValues<TermRow>,
-    /// What the settings of the data span; none in analyses of older versions.
+    /// Region that the settings of the data span; `None` in analyses of older versions.
     #[serde(default)]
     pub data_region: Option<DataRegion>,
     /// Stationary point of a quadratic; none for models without curvature or of higher degree.
@@ -174,7 +174,7 @@ pub struct Fit {
     pub box_extremes: Option<BoxExtremes>,
     /// Tests against the scatter of replicates within cells.
     pub replicates: Option<Replicates>,
-    /// What a reader should know before trusting the numbers.
+    /// Warnings to be read before the numbers are trusted.
     pub warnings: Vec<Warning>,
 }
 

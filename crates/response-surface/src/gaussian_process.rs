@@ -233,7 +233,7 @@ fn correlation(a: &[f64], b: &[f64], lengths: &[f64]) -> f64 {
     (-0.5 * gaps.map(|((x, y), l)| ((x - y) / l).powi(2)).sum::<f64>()).exp()
 }
 
-/// What a process says about one point, its parameters taken as known.
+/// Prediction of a process at one point, its parameters taken as known.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ProcessPrediction {
     /// The surface, unit of the response.

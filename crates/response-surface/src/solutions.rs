@@ -92,7 +92,7 @@ pub struct Solutions {
     /// the surface, and any larger or smaller target has no solution.
     #[serde(default)]
     pub tangent: bool,
-    /// What the surface reaches within the ranges of the factors.
+    /// Extremes of the surface within the ranges of the factors.
     pub reachable: BoxExtremes,
     /// The part of each range on which there are solutions; none if there is no solution.
     pub factor_ranges: Option<NamedValues<FactorRange>>,

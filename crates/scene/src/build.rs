@@ -22,7 +22,7 @@ pub(crate) struct Built {
     pub(crate) bodies: Vec<Arc<SeedBody>>,
     /// Walls of triangles with their motion.
     pub(crate) meshes: Vec<NamedMesh>,
-    /// What acts on the seeds beside gravity and contacts.
+    /// Forces on the seeds besides gravity and contacts.
     pub(crate) surroundings: Option<Surroundings>,
     /// What a believable world keeps to.
     pub(crate) limits: HealthLimits,

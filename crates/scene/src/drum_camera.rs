@@ -49,7 +49,7 @@ impl DrumCamera {
         }
     }
 
-    /// What the camera sees of spheres (m), each with the number of its body, which gives its colour.
+    /// Picture of spheres (m), each with the number of its body, which gives its colour.
     ///
     /// # Errors
     ///

@@ -25,7 +25,7 @@ pub struct Frame {
     pub spin: Vec<Vector3<f64>>,
 }
 
-/// What a frame says, read in two ways.
+/// Readings of a frame, by its picture and by the positions of its spheres.
 #[derive(Debug, Clone)]
 pub struct FrameReading {
     /// Reading of the picture.
@@ -93,7 +93,7 @@ impl Frame {
     }
 }
 
-/// What the camera of a scene sees.
+/// Picture by the camera of a scene.
 ///
 /// # Errors
 ///

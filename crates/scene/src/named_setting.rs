@@ -4,7 +4,7 @@ use crate::parse::{SHORT_NAMES, leaves, left_out, make_room, setting_at, whole_p
 use crate::{Error, Scene};
 use toml::Value;
 
-/// What a setting takes.
+/// Kind of a setting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SettingKind {
     /// A plain number.
@@ -24,7 +24,7 @@ pub struct NamedSetting {
     pub path: String,
     /// Unit that the name brings along, as `rpm` does; none with all others.
     pub unit: Option<&'static str>,
-    /// What it takes.
+    /// Its kind.
     pub kind: SettingKind,
     /// Its value; an empty text for a quantity that the scene omits.
     pub value: Value,

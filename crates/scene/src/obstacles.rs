@@ -20,7 +20,7 @@ pub struct WallSettings {
     /// Mesh (STL, OBJ, PLY), relative to the scene file. It need not be closed, but a mesh without any thickness is
     /// refused: give a flat plate a thickness.
     pub mesh: PathBuf,
-    /// What one unit of the mesh is.
+    /// Unit of the mesh.
     pub mesh_unit: trimesh::LengthUnit,
     /// Name of the material.
     pub material: String,

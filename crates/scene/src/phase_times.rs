@@ -48,7 +48,7 @@ impl AddAssign for PhaseTimes {
     }
 }
 
-/// What the runs in a folder, and a call that asks for them, cost.
+/// Cost of the runs in a folder and of a call that asks for them.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TimeSpent {
     /// Time of one core that all runs took whose records are in the folder, s.

@@ -29,7 +29,7 @@ const FLOOR: f64 = 0.3;
 /// Corners of a triangle, m.
 type Corners = [[f64; 3]; 3];
 
-/// What a frame looks like; none of a bench test, which has no bed.
+/// Picture of a frame; `None` for a bench test, which has no bed.
 ///
 /// In a drum with walls of triangles these are drawn too. The angle is read from the picture without them
 /// ([`crate::drum_picture`]), since a reader cannot tell them from seeds.

@@ -98,7 +98,7 @@ impl ObservableValues {
     }
 }
 
-/// What a run gives.
+/// Result of a run.
 #[derive(Debug, Clone)]
 pub struct RunResult {
     /// The bed over time.

@@ -34,7 +34,7 @@ pub struct SeedSettings {
     /// Mesh of the seed (STL, OBJ, PLY), relative to the scene file; with `mesh_unit` and `filling`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mesh: Option<PathBuf>,
-    /// What one unit of the mesh is.
+    /// Unit of the mesh.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mesh_unit: Option<trimesh::LengthUnit>,
     /// Diameter of a seed that is one sphere.
@@ -48,7 +48,7 @@ pub struct SeedSettings {
     /// its volume that of their union.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spheres: Option<PathBuf>,
-    /// What one unit of that table is; mm where absent, if the seed is then 0.1 to 100 mm long.
+    /// Unit of that table; mm if omitted, if the seed is then 0.1 to 100 mm long.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spheres_unit: Option<trimesh::LengthUnit>,
     /// Mass of one seed.

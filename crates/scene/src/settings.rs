@@ -26,13 +26,13 @@ pub struct Scene {
     /// How bodies and contacts are modelled.
     #[serde(default)]
     pub model: ModelSettings,
-    /// What is done and when.
+    /// The protocol: phases, times and frames.
     #[serde(default)]
     pub protocol: Protocol,
     /// The camera.
     #[serde(default)]
     pub camera: CameraSettings,
-    /// What acts on the seeds beside gravity and contacts; nothing where absent.
+    /// Forces on the seeds besides gravity and contacts; none if omitted.
     #[serde(default, skip_serializing_if = "SurroundingsSettings::is_empty")]
     pub surroundings: SurroundingsSettings,
     /// Folder to which paths in the scene refer.
@@ -85,7 +85,7 @@ pub struct ModelSettings {
     /// ([`dem_solver::Template::with_whole_damping`]); 0 where absent, and where `dashpot_mass` is not `sphere`.
     #[serde(skip_serializing_if = "is_zero")]
     pub whole_seed_damping: f64,
-    /// What happens when a dashpot would pull; `clipped` where absent: it never does.
+    /// Treatment of a dashpot that would pull; `clipped` if omitted: it never does.
     pub normal_force_end: contact_law::NormalForceEnd,
     /// Attraction of a touching pair of spheres over the weight of a seed (granular Bond number); 0 where
     /// absent.
@@ -199,7 +199,7 @@ impl LiquidSettings {
     }
 }
 
-/// What is done and when.
+/// The protocol: phases, times and frames.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Protocol {

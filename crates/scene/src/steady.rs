@@ -90,7 +90,7 @@ impl Doubt {
     }
 }
 
-/// What is kept of a rotation.
+/// Part of a rotation that is kept.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SteadyState {
     /// Number of values of the series before it.

@@ -36,7 +36,7 @@ const ELECTRIC_CONSTANT: f64 = 8.854_187_8e-12;
 /// Smallest distance from a wall that counts for the image force, over the radius of the seed.
 const CLOSEST: f64 = 0.25;
 
-/// What acts on the seeds beside gravity and contacts.
+/// Forces on the seeds besides gravity and contacts.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SurroundingsSettings {

@@ -31,7 +31,7 @@ pub enum Method {
     DistanceTransform,
 }
 
-/// What to fill a body with.
+/// Settings of a filling.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FillSettings {
     /// Radius of the spheres ([`Method::Pack`], [`Method::Lattice`]) or of the smallest allowed

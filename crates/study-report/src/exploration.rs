@@ -13,7 +13,7 @@ use response_surface::{Fit, Prediction};
 /// A surface for the sliders: what it is of, the sliders of its factors, and the place where they begin.
 #[derive(Debug, Clone)]
 pub struct SurfaceWithSliders<'a> {
-    /// What is predicted.
+    /// Name of the predicted quantity.
     pub name: String,
     /// Its unit; empty for a plain number.
     pub unit: &'a str,
@@ -23,7 +23,7 @@ pub struct SurfaceWithSliders<'a> {
     pub sliders: Vec<usize>,
     /// Natural values of the factors where the sliders begin.
     pub begin: Vec<f64>,
-    /// What was measured, with its standard error; `None` if it was not.
+    /// The measured value with its standard error; `None` if it was not measured.
     pub measured: Option<ExploredTarget>,
 }
 

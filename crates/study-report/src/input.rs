@@ -19,13 +19,13 @@ pub struct ReportInput<'a> {
     pub seed: u64,
     /// SHA-256 of each input file, by file.
     pub inputs: &'a BTreeMap<String, String>,
-    /// What was asked.
+    /// The problem that was solved.
     pub problem: &'a CalibrationProblem,
-    /// What was found.
+    /// The result.
     pub calibration: &'a Calibration,
     /// Values of others to be printed beside results.
     pub compare: &'a [ComparedValue],
-    /// What the file left out and what was taken instead, one sentence each.
+    /// Defaults for entries that the file omits, one sentence each.
     pub defaults: &'a [String],
     /// Scenes by name of the model.
     pub scenes: &'a BTreeMap<String, Scene>,
@@ -33,7 +33,7 @@ pub struct ReportInput<'a> {
     pub fillings: &'a FillingLibrary,
     /// Records of the runs behind the comparisons and the surfaces, by key; a picture whose record is missing is left out.
     pub records: &'a BTreeMap<String, Record>,
-    /// What it cost.
+    /// Cost of the runs and of this call.
     pub spent: TimeSpent,
 }
 
@@ -42,7 +42,7 @@ pub struct ReportInput<'a> {
 pub struct ComparedValue {
     /// Name of the result; its ending is its unit.
     pub result: String,
-    /// What was found here; `None` if this calibration does not give it.
+    /// Value found here; `None` if this calibration does not give it.
     pub found: Option<f64>,
     /// Standard error of what was found.
     pub se: Option<f64>,
@@ -65,13 +65,13 @@ pub struct DiagnosisInput<'a> {
     pub seed: u64,
     /// SHA-256 of each input file, by file.
     pub inputs: &'a BTreeMap<String, String>,
-    /// What the file left out and what was taken instead, one sentence each.
+    /// Defaults for entries that the file omits, one sentence each.
     pub defaults: &'a [String],
     /// Effects that the scenes cannot carry, with the reason.
     pub not_applicable: &'a BTreeMap<String, String>,
     /// Largest number of runs of the plan.
     pub planned_runs: usize,
-    /// What it cost.
+    /// Cost of the runs and of this call.
     pub spent: TimeSpent,
     /// The study of the residual.
     pub study: &'a ResidualStudy,

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 /// A measurement with its comparisons.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MeasurementRow<'a> {
-    /// What was measured.
+    /// The measured value.
     pub(crate) measurement: &'a Measurement,
     /// Where.
     pub(crate) model: &'a Model,

@@ -266,7 +266,7 @@ fn confirmation() -> ConfirmationRound {
     }
 }
 
-/// What a stage cost.
+/// Cost of a stage.
 /// A hundred seconds of runs, of which each phase took a part of its own.
 pub(crate) fn spent() -> TimeSpent {
     let phases = PhaseTimes {
@@ -292,7 +292,7 @@ fn cost(stage: &str, runs: usize, wall_s: f64) -> StageCost {
     }
 }
 
-/// What was found.
+/// The result.
 fn calibration(problem: &CalibrationProblem) -> Calibration {
     let compared = |i, mean, z| comparison(problem, i, mean, z);
     let search_box = |why: &str, low: f64| SearchBox {

@@ -84,7 +84,7 @@ fn details(angle: f64, with_frame: bool) -> serde_json::Value {
     details
 }
 
-/// What is asked.
+/// The problem to be solved.
 fn problem() -> CalibrationProblem {
     let parameter = |symbol: &str, name: &str, unit: &str, range: [f64; 2], start| Parameter {
         symbol: symbol.into(),

@@ -26,7 +26,7 @@ pub struct ComparedValue {
     pub published_sd: Option<f64>,
     /// Where it was published.
     pub source: String,
-    /// What was found here; `None` if no stage gave it.
+    /// Value found here; `None` if no stage gave it.
     pub found: Option<f64>,
     /// Its standard error.
     pub se: Option<f64>,

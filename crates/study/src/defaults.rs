@@ -10,7 +10,7 @@ use toml::Table;
 pub struct DefaultUsed {
     /// Key of the file.
     pub key: String,
-    /// What is used instead.
+    /// Value that is used instead.
     pub value: String,
     /// Why that.
     pub why: String,

@@ -61,7 +61,7 @@ pub struct DesignRun {
     pub row: usize,
     /// Which run of its row it is, from 1.
     pub repeat: usize,
-    /// What is run.
+    /// Request for the run.
     pub request: RunRequest,
 }
 
@@ -78,7 +78,7 @@ pub struct DesignTable {
     bindings: BTreeMap<String, Binding>,
     /// The runs, row by row.
     runs: Vec<DesignRun>,
-    /// What the user must know of the values of the parameter file.
+    /// Warnings about the values of the parameter file.
     pub warnings: Vec<String>,
 }
 
@@ -125,7 +125,7 @@ impl DesignTable {
         self.models.values()
     }
 
-    /// What is asked of the simulator, in the order of the runs.
+    /// Requests for the simulator, in the order of the runs.
     pub fn requests(&self) -> Vec<RunRequest> {
         self.runs.iter().map(|run| run.request.clone()).collect()
     }

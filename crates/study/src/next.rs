@@ -20,7 +20,7 @@ pub struct NextRow {
     pub runs: usize,
     /// Time of one core for these, s; `None` if the runs there have no time.
     pub core_s: Option<f64>,
-    /// What to add to the study file once it is measured.
+    /// Text to add to the study file once it is measured.
     pub block: String,
 }
 

@@ -32,16 +32,16 @@ pub struct PhotoSeries {
     /// Frames that could not be read, and what this may change in each observable, one sentence each.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub left_out: Vec<String>,
-    /// What was taken over from them.
+    /// Values taken over from them.
     pub values: BTreeMap<String, MeasuredValue>,
-    /// What else they show, not taken over since the file does not name it.
+    /// Further values in them, not taken over since the file does not name them.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub further: BTreeMap<String, MeasuredValue>,
     /// How their means go together, estimated from the frames and shrunk towards 0 where they are few
     /// ([`surface_profile::shrunk_correlations`]); pairs that are not named are not correlated.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub correlations: Vec<MeasuredCorrelation>,
-    /// What a reader should know.
+    /// Remarks for the reader.
     pub remarks: Vec<String>,
 }
 

@@ -8,7 +8,7 @@ use inference::{CoarseGraining, PlannedStage, RunList};
 use serde::Serialize;
 use simulators::scene_simulator::{RunDetails, SECONDS_PER_COST, TimingDetails};
 
-/// What a stage would cost.
+/// Cost of a stage.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StagePrice {
     /// Name of the stage.
@@ -23,7 +23,7 @@ pub struct StagePrice {
     pub further_core_s: f64,
 }
 
-/// What a run costs with grains of one size.
+/// Cost of a run with grains of one size.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SizePrice {
     /// Diameter of the grains over the real one.
@@ -36,7 +36,7 @@ pub struct SizePrice {
     pub real_core_s: f64,
 }
 
-/// What a study would cost. The times are those of runs: the statistics between them, the report and the decks come on top.
+/// Cost of a study. The times are those of runs: the statistics between them, the report and the decks come on top.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Price {
     /// By stage.

@@ -25,17 +25,17 @@ pub struct StudyResult {
     pub seed: u64,
     /// SHA-256 of every file that was read.
     pub inputs: BTreeMap<String, String>,
-    /// What the calibration found.
+    /// Result of the calibration.
     pub calibration: Calibration,
     /// The records of the runs behind its measurements and its surfaces, by key; no part of the JSON.
     pub records: BTreeMap<String, Record>,
     /// Published values beside it.
     pub compare: Vec<ComparedValue>,
-    /// What the file left out, and what stood in its place.
+    /// Entries that the file omits, with the default used.
     pub defaults: Vec<DefaultUsed>,
     /// Effects that a measured scene cannot carry, with the reason.
     pub not_applicable: BTreeMap<String, String>,
-    /// What its runs and this call cost.
+    /// Cost of its runs and of this call.
     pub spent: TimeSpent,
 }
 
@@ -107,7 +107,7 @@ impl Serialize for StudyResult {
     }
 }
 
-/// What a diagnosis alone found.
+/// Result of a diagnosis alone.
 #[derive(Debug, Clone, Serialize)]
 pub struct DiagnosisResult {
     /// Name of the study.
@@ -124,13 +124,13 @@ pub struct DiagnosisResult {
     pub at: BTreeMap<String, f64>,
     /// The diagnosis.
     pub diagnosis: DiagnosisStage,
-    /// What could be measured next, the most helpful for its minutes first; empty if nothing is in question.
+    /// Candidates for the next measurement, the most helpful for its minutes first; empty if nothing is in question.
     pub next: Vec<NextRow>,
-    /// What the file left out, and what stood in its place.
+    /// Entries that the file omits, with the default used.
     pub defaults: Vec<DefaultUsed>,
     /// Effects that a measured scene cannot carry, with the reason.
     pub not_applicable: BTreeMap<String, String>,
-    /// What its runs and this call cost.
+    /// Cost of its runs and of this call.
     #[serde(flatten)]
     pub spent: TimeSpent,
 }

@@ -46,7 +46,7 @@ impl std::fmt::Debug for RunSettings<'_> {
     }
 }
 
-/// What a study would run at most, stage by stage, and what that takes; the pace of runs whose records are in the result
+/// Runs of a study at most, stage by stage, with their cost; the pace of runs whose records are in the result
 /// folder is taken over.
 ///
 /// # Errors
@@ -72,7 +72,7 @@ fn store_of(folder: &Path) -> Result<Option<Store>, Error> {
     Ok(runs.is_dir().then(|| Store::open(&runs)).transpose()?)
 }
 
-/// What [`run_diagnosis`] would run, and what that takes.
+/// Runs of [`run_diagnosis`] and their cost.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DiagnosisPrice {
     /// Most runs at the candidates for the next measurement, if the diagnosis leaves a question, among the further ones; 0 if
@@ -85,7 +85,7 @@ pub struct DiagnosisPrice {
     pub measured: bool,
 }
 
-/// What [`run_diagnosis`] would run, starting from given parameters, and what that takes.
+/// Runs of [`run_diagnosis`] from given parameters and their cost.
 ///
 /// # Errors
 ///

@@ -42,13 +42,13 @@ pub struct Study {
     pub path: PathBuf,
     /// Name of the profile.
     pub profile: Option<String>,
-    /// What the file says, with the profile on top.
+    /// Content of the file, changed by the profile.
     pub file: StudyFile,
     /// Scenes by name, with their changes.
     pub scenes: BTreeMap<String, Scene>,
     /// Scenes by the name of the model, with the condition; those of candidates for the next measurement included.
     pub models: BTreeMap<String, Scene>,
-    /// What is asked.
+    /// The problem to be solved.
     pub problem: CalibrationProblem,
     /// How the loop is run; the seed is that of the run.
     pub settings: LoopSettings,
@@ -56,7 +56,7 @@ pub struct Study {
     pub photos: Vec<PhotoSeries>,
     /// Effects that a measured scene cannot carry, with the reason.
     pub not_applicable: BTreeMap<String, String>,
-    /// What the file left out, and what is used instead.
+    /// Entries that the file omits, with the default used.
     pub defaults: Vec<DefaultUsed>,
     /// Scenes under their conditions as a program of the user runs them; empty if the scenes here are run.
     command_models: BTreeMap<String, CommandModel>,
@@ -133,7 +133,7 @@ impl Study {
         }
     }
 
-    /// What does the runs; other codes work in the folder `work` of the result folder.
+    /// The simulator of the runs; other codes work in the folder `work` of the result folder.
     ///
     /// # Errors
     ///

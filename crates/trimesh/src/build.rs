@@ -34,7 +34,7 @@ const FLATTEST: f64 = 1e-6;
 pub struct CheckedMesh {
     /// The mesh, m.
     pub mesh: TriMesh,
-    /// What was found and repaired.
+    /// Report of faults and repairs.
     pub report: MeshReport,
 }
 

@@ -70,7 +70,7 @@ impl CubeGrid {
         (x * self.counts[1] + y) * self.counts[2] + z
     }
 
-    /// What leads from the first corner of a cube to the corner whose bits tell the axes.
+    /// Offset from the first corner of a cube to the corner whose bits give the axes.
     pub fn offset(&self, bits: usize) -> usize {
         self.index([bits & 1, bits >> 1 & 1, bits >> 2])
     }

@@ -82,7 +82,7 @@ pub struct Topology {
     pub first_crossing: Option<Vector3<f64>>,
     /// Share of the area that does not part inside from outside, where triangles cross.
     pub folded_share: f64,
-    /// What would mend open edges and those of more than two triangles; none if there are none.
+    /// Repair of open edges and of those of more than two triangles; `None` without such edges.
     pub way_out: Option<Proposal>,
 }
 

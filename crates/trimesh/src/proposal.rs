@@ -22,7 +22,7 @@ const SLIT: f64 = 0.05;
 /// Nodes of the grid on which a surface is proposed to be rebuilt: some seconds.
 const NODES: f64 = 3e5;
 
-/// What closes a mesh or parts it, with the least change.
+/// The least change that closes a mesh or separates its bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Proposal {

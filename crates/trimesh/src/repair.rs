@@ -10,7 +10,7 @@ use serde::Serialize;
 /// would take off thin parts such as a stalk.
 const CRUMBS: f64 = 1e-3;
 
-/// What may be changed in a mesh so that it bounds a body.
+/// Changes allowed in a mesh so that it bounds a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Repair {
     /// Vertices on open edges that lie this near to each other are joined, m; none: only corners
@@ -78,7 +78,7 @@ impl std::fmt::Display for Rebuilt {
     }
 }
 
-/// What was changed in a mesh so that it bounds a body.
+/// Changes made in a mesh so that it bounds a body.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Changes {
     /// Vertices on open edges that were joined with another.

@@ -210,7 +210,7 @@ impl Serialize for Warning {
     }
 }
 
-/// What a mesh is like and what was done to it on reading.
+/// Properties of a mesh, and its repairs on reading.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeshReport {
     /// File or shape.
@@ -233,7 +233,7 @@ pub struct MeshReport {
     pub triangles_turned: usize,
     /// Holes that were closed.
     pub holes_closed: usize,
-    /// What else was changed so that the mesh bounds a body, and where.
+    /// Further changes so that the mesh bounds a body, and their places.
     pub changes: Changes,
     /// Box along the axes, m.
     pub bounding_box: BoundingBox,
@@ -241,7 +241,7 @@ pub struct MeshReport {
     pub area: f64,
     /// Enclosed volume, m³; none for an open mesh.
     pub volume: Option<f64>,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<Warning>,
 }
 

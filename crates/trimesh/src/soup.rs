@@ -10,7 +10,7 @@ use std::path::Path;
 pub(crate) struct Soup {
     /// Corners, in the unit of the file.
     pub(crate) triangles: Vec<[Vector3<f64>; 3]>,
-    /// What the user should know.
+    /// Warnings for the user.
     pub(crate) warnings: Vec<Warning>,
 }
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// What the expected number rests on, strongest first.
+/// Basis of the expected number, strongest first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Kind {
     /// A closed form, a symmetry or a conservation law.
@@ -44,9 +44,9 @@ pub enum Tolerance {
 pub struct Row {
     /// Name of the check to which it belongs.
     pub check: &'static str,
-    /// What is compared, with the conditions.
+    /// Compared quantity, with the conditions.
     pub name: String,
-    /// What the expected number rests on.
+    /// Basis of the expected number.
     pub kind: Kind,
     /// Unit of the numbers.
     pub unit: &'static str,

@@ -47,7 +47,7 @@ pub struct Scene {
     pub n_dust: u32,
     /// Ratio of the height of the drum to its width: 1 seen along the axis.
     pub aspect: f64,
-    /// What else is in the picture.
+    /// Further things in the picture.
     pub disturbance: Disturbance,
     /// Number of the random picture.
     pub seed: u64,

@@ -8,7 +8,7 @@ use probability::random_stream::Stream;
 use std::f64::consts::PI;
 use std::io::Cursor;
 
-/// What is expected of a picture.
+/// Expected result for a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Class {
     /// A surface that a person reads without doubt.
@@ -24,7 +24,7 @@ pub enum Class {
 pub struct Kind {
     /// Its name.
     pub name: &'static str,
-    /// What is expected.
+    /// Expected result.
     pub class: Class,
     /// Draws the scene of a stream.
     scene: fn(&mut Stream) -> Scene,

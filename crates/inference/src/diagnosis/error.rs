@@ -8,7 +8,7 @@ pub enum Error {
     /// A list has the wrong number of entries.
     #[error("{what} has {found} entries, {expected} are needed ({reason})")]
     WrongLength {
-        /// Key of the list, with the row where it is a matrix.
+        /// Key of the list; for a matrix with the row.
         what: String,
         /// Entries it has.
         found: usize,

@@ -17,7 +17,7 @@ const SCORE_TO_NAME: f64 = 6.0;
 /// Longest plan; more of the same seldom helps.
 const LONGEST_PLAN: usize = 6;
 
-/// What the experiment is for.
+/// Purpose of an experiment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Purpose {
@@ -36,7 +36,7 @@ pub enum Purpose {
 /// The experiment that helps most, and how far it leads.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NextMeasurement {
-    /// What it is for.
+    /// Its purpose.
     pub purpose: Purpose,
     /// The effects concerned.
     pub effects: Vec<String>,
@@ -51,7 +51,7 @@ pub struct NextMeasurement {
     pub needed: Option<f64>,
     /// Whether the plan reaches it.
     pub reached: bool,
-    /// What to do, in words.
+    /// Advice, as a sentence.
     pub advice: String,
 }
 
@@ -144,7 +144,7 @@ impl Diagnosis {
         }
     }
 
-    /// What to measure next, in words: of the measurements on offer, or else what would have to be offered.
+    /// Advice on the next measurement: one of those on offer, otherwise one that should be offered.
     pub fn advice(&self) -> Option<String> {
         if let Some(next) = &self.next_measurement {
             return Some(next.advice.clone());

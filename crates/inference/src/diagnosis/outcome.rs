@@ -9,7 +9,7 @@ use crate::diagnosis::summary::summary;
 use crate::diagnosis::tails::upper_tail;
 use crate::diagnosis::{BeforeAfter, Contrast, NextMeasurement, Refit, RefittedModel};
 
-/// What can be said of a residual.
+/// Verdict on a residual.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
@@ -48,7 +48,7 @@ impl fmt::Display for Verdict {
 pub struct Diagnosis {
     /// Name of the problem.
     pub id: String,
-    /// What can be said.
+    /// The verdict.
     pub verdict: Verdict,
     /// The effects that are named, or the tie set; empty otherwise.
     pub effects: Vec<String>,
@@ -67,7 +67,7 @@ pub struct Diagnosis {
     pub tie_set_c: f64,
     /// Whether there is structure at all.
     pub structured_residual: StructuredResidual,
-    /// What each effect of the library would do, by name; empty when the test was refused.
+    /// Result of each effect of the library, by name; empty if the test was refused.
     pub candidates: BTreeMap<String, CandidateResult>,
     /// Names of the candidates that could not be seen even at their largest amplitude.
     pub not_testable: Vec<String>,
@@ -83,10 +83,10 @@ pub struct Diagnosis {
     pub largest_condition_share: Option<ConditionShare>,
     /// The condition to measure again.
     pub recheck_condition: Option<String>,
-    /// What each observable alone says of the effect that stands out; empty when the test was
+    /// Support of each observable alone for the leading effect; empty if the test was
     /// refused or there is no library.
     pub observable_support: Vec<ObservableSupport>,
-    /// What each effect takes off the structured residual, by observable: the drops add up to all that it takes off.
+    /// Reduction of the structured residual by each effect, by observable; the reductions add up to the whole.
     /// Correlated values are split in the order of the observables.
     pub evidence: BTreeMap<String, Vec<Evidence>>,
     /// Errors before and after; none when the test was refused or there is no library.
@@ -96,9 +96,9 @@ pub struct Diagnosis {
     /// Whitened mean square on unused conditions by runs of the simulator itself, without and with
     /// the named effects; none until [`Diagnosis::checked_by_runs`].
     pub runs_on_unused: Option<[f64; 2]>,
-    /// What to measure next, where it helps.
+    /// The next measurement, if one helps.
     pub next_measurement: Option<NextMeasurement>,
-    /// What is odd, or limits the verdict.
+    /// Oddities, and limits of the verdict.
     pub warnings: Vec<String>,
     /// Seed of the simulated distributions.
     pub seed: u64,
@@ -188,7 +188,7 @@ pub enum Unseen {
     SlopeIsNoise,
 }
 
-/// What one effect of the library would do.
+/// Result of one effect of the library.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CandidateResult {
     /// Score: standard normal when the effect is absent; none when re-tuning absorbs it wholly.
@@ -218,7 +218,7 @@ pub struct CandidateResult {
     pub unseen: Option<Unseen>,
 }
 
-/// What one observable says of the effect that stands out.
+/// Support of one observable for the leading effect.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ObservableSupport {
     /// The observable.
@@ -229,7 +229,7 @@ pub struct ObservableSupport {
     pub z: Option<f64>,
 }
 
-/// What an effect takes off the structured residual in the values of one observable.
+/// Reduction of the structured residual by an effect, in the values of one observable.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Evidence {
     /// The observable; none for the priors of the parameters.
@@ -261,7 +261,7 @@ const TOLD_APART: f64 = 3.29;
 pub struct CheckedModel {
     /// Its effects, and the residual of its runs.
     pub model: RefittedModel,
-    /// What it leaves, whitened mean square.
+    /// Whitened mean square of the remaining residual.
     pub whitened_mse: f64,
     /// How it differs there from the model without effects.
     pub contrast: Contrast,

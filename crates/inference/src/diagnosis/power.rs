@@ -38,7 +38,7 @@ pub struct PowerDesign {
     pub effects: Vec<Vec<bool>>,
 }
 
-/// What comes out where one effect of a size is hidden; the shares add up to 1.
+/// Frequencies of the outcomes if one effect of a size is hidden; they add up to 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Power {
     /// Amplitude of the hidden effect over its standard error after re-tuning.

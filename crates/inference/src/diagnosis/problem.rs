@@ -25,7 +25,7 @@ pub struct Problem {
     pub(crate) prior: Option<Prior>,
     /// Degrees of freedom of the covariances; none when they are known.
     pub(crate) covariance_dof: Option<f64>,
-    /// What could be measured next.
+    /// Measurements that could be made next.
     pub(crate) experiments: Vec<Experiment>,
     /// What was odd in the input.
     pub(crate) warnings: Vec<String>,

@@ -24,7 +24,7 @@ pub struct RefittedModel {
     pub noise: f64,
 }
 
-/// What real runs say of a model beside the best of those that were fitted again.
+/// Comparison of a model, by real runs, with the best of those that were fitted again.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Refit {
     /// Its effects.

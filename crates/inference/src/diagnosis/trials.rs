@@ -21,7 +21,7 @@ use crate::diagnosis::{Error, Options};
 /// Draws of the null distribution in each trial: the level of a gate is then right within 0.0035.
 const DRAWS: usize = 2000;
 
-/// What is hidden in a drawn campaign. Strengths are detectabilities |a||u|: amplitude over its
+/// Truth of a drawn campaign. Strengths are detectabilities |a||u|: amplitude over its
 /// standard error after re-tuning.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "truth")]
@@ -62,7 +62,7 @@ pub enum Truth {
 /// Result of the campaigns of one truth; the counts add up to `trials`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TrialRow {
-    /// What was hidden.
+    /// The hidden truth.
     #[serde(flatten)]
     pub truth: Truth,
     /// Number of campaigns; a share p has the standard error sqrt(p (1 - p) / trials).
@@ -82,7 +82,7 @@ pub struct TrialRow {
     /// For an effect that was taken out, what the library still holds that looks most like it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nearest: Option<NearestEffect>,
-    /// What a naming does to the error on the unused conditions; none without namings, for a design without such
+    /// Change of the error on the unused conditions by a naming; `None` without namings, for a design without such
     /// conditions, and for an outsider, which is drawn over the used ones only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unused: Option<UnusedErrors>,
@@ -106,7 +106,7 @@ pub struct UnusedErrors {
 pub struct NearestEffect {
     /// Its name.
     pub name: String,
-    /// What it leaves of the other effect, in standard deviations: the square root of the structured residual
+    /// Remainder of the other effect, in standard deviations: the square root of the structured residual
     /// T of data without noise, fitted with it and the declared parameters; for an effect of either sign,
     /// the smaller of the two.
     pub left: f64,

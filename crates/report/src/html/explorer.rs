@@ -20,7 +20,7 @@ const NORMAL_975: f64 = 1.959_963_984_540_054;
 pub struct SliderParameter {
     /// Symbol.
     pub symbol: String,
-    /// What it is.
+    /// Name for the reader.
     pub name: String,
     /// Unit of its values; empty for a plain number.
     pub unit: String,
@@ -33,13 +33,13 @@ pub struct SliderParameter {
 /// A named place for all sliders.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NamedPlace {
-    /// What the place is.
+    /// Name of the place.
     pub name: String,
     /// Values of the parameters in their order, units of the parameters.
     pub values: Vec<f64>,
 }
 
-/// What was measured beside a surface.
+/// A measured value beside a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ExploredTarget {
     /// Measured mean, unit of the surface.
@@ -48,7 +48,7 @@ pub struct ExploredTarget {
     pub se: f64,
 }
 
-/// What a surface says where the sliders begin.
+/// Prediction of a surface at the start of the sliders.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ExploredPrediction {
     /// Mean, unit of the surface.
@@ -69,7 +69,7 @@ pub struct ExploredPrediction {
 /// a new observation `mean ± t s sqrt(1 + r C r')` `[Myers2016, chapter 2]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ExploredSurface {
-    /// What is predicted.
+    /// Name of the predicted quantity.
     pub name: String,
     /// Its unit; empty for a plain number.
     pub unit: String,
@@ -91,11 +91,11 @@ pub struct ExploredSurface {
     pub error_variance: Option<f64>,
     /// Two-sided 5 % limit of Student's t.
     pub t_limit: Option<f64>,
-    /// What was measured; `None` if it was not.
+    /// The measured value; `None` if it was not measured.
     pub measured: Option<ExploredTarget>,
     /// Ends of the axis of its picture, unit of the surface.
     pub axis: [f64; 2],
-    /// What it says where the sliders begin.
+    /// Its prediction at the start of the sliders.
     pub prediction: ExploredPrediction,
 }
 

@@ -24,7 +24,7 @@ pub enum Pointed {
 /// One thing that can be pointed at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct PointingTool<'a> {
-    /// What to point at, in words.
+    /// The thing to point at.
     pub what: &'a str,
     /// The flag that states it.
     pub flag: &'a str,
@@ -37,12 +37,12 @@ pub struct PointingTool<'a> {
 pub struct PointingPicture<'a> {
     /// The bytes of a PNG or JPEG file.
     pub bytes: &'a [u8],
-    /// What is seen, for readers who cannot see it.
+    /// Text for readers who cannot see the picture.
     pub description: &'a str,
     /// Pixels along x and y of the picture in which the places are given; the one that is shown may be smaller. The centre of
     /// the first pixel is (0, 0), y down.
     pub size: [u32; 2],
-    /// What can be pointed at.
+    /// Tools for pointing.
     pub tools: &'a [PointingTool<'a>],
 }
 

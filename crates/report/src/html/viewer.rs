@@ -59,7 +59,7 @@ pub struct SphereViewer<'a> {
     pub bodies: &'a [ViewerBody],
     /// The same bodies as the bytes of a PNG file.
     pub picture: &'a [u8],
-    /// What is seen, for readers who cannot see it.
+    /// Text for readers who cannot see the picture.
     pub description: &'a str,
 }
 

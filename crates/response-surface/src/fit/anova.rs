@@ -40,11 +40,11 @@ pub struct SequentialModel {
     /// Terms of higher degree, if there are any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub higher: Option<f64>,
-    /// What is left.
+    /// The residuals.
     pub residual: f64,
 }
 
-/// What a group of terms adds to those before it, against the residuals.
+/// Contribution of a group of terms to those before it, against the residuals.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OrderRow {
     /// `blocks`, `linear`, `two-factor`, `quadratic` or `higher`.

@@ -20,7 +20,7 @@ pub struct PureError {
     pub ms: f64,
 }
 
-/// What the residuals hold beyond the pure error.
+/// Part of the residuals beyond the pure error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LackOfFit {
     /// Sum of squares, squared unit of the response.

@@ -14,7 +14,7 @@ const MOST_SOLUTIONS: usize = 10;
 /// Starts of the search.
 const STARTS: usize = 200;
 
-/// What one response should be, unit of the response.
+/// Aim for one response, unit of the response.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "aim")]
 pub enum Aim {
@@ -64,7 +64,7 @@ pub enum Aim {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Goal {
-    /// What the response should be.
+    /// Aim for the response.
     pub aim: Aim,
     /// Power of the desirability: above 1 it must come close to the aim to be worth something.
     pub weight: f64,
@@ -79,7 +79,7 @@ pub struct ScatterGoal {
     pub response: usize,
     /// Standard deviations of the factors, units of the factors.
     pub factor_sd: Vec<f64>,
-    /// What the transmitted standard deviation should be.
+    /// Goal for the transmitted standard deviation.
     pub goal: Goal,
 }
 
@@ -204,7 +204,7 @@ pub fn compromises(
     kept.into_iter().map(|x| wanted.at(x, error)).collect()
 }
 
-/// What a setting is worth, in or beyond the box: a natural point, units of the factors.
+/// Desirability of a setting, in or beyond the box: a natural point, units of the factors.
 ///
 /// # Errors
 /// Those of [`compromises`]; [`Error::Length`] for a wrong number of values, [`Error::SettingOutOfRange`] for one that is not

@@ -87,7 +87,7 @@ impl Transform {
         Some(slope).filter(|slope| slope.is_finite())
     }
 
-    /// What a response must be.
+    /// Requirement on a response.
     pub fn domain(self) -> &'static str {
         match self {
             Self::Sqrt => "zero or above",

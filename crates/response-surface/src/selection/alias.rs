@@ -9,7 +9,7 @@ use crate::{Error, Fit, Model, NamedValues, Observations};
 /// Greatest number of factors for which products of three are looked at.
 const MOST_FACTORS: usize = 10;
 
-/// What terms left out of a fit do to those in it, over the rows of these data.
+/// Bias by terms left out of a fit in those that are in it, over the rows of these data.
 ///
 /// The outer name is the term left out, the inner one a term of the fit: the expected coefficient of a term is its own
 /// plus the sum of these times the coefficients of the terms left out. Main effects, two-factor interactions, squares,

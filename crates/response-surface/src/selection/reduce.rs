@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Error, Fit, Model, Observations, Weighting, fit_weighted};
 
-/// What decides whether a term goes.
+/// Rule by which a term is removed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ReductionRule {

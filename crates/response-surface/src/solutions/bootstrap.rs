@@ -25,7 +25,7 @@ pub struct Bootstrap {
     pub error: ErrorVariance,
     /// Share of the redrawn experiments whose surface does not meet the redrawn target in the box.
     pub no_solution: f64,
-    /// What the nearest solutions of the others show of each factor.
+    /// Each factor at the nearest solutions of the other samples.
     pub factors: NamedValues<BootstrapFactor>,
 }
 

@@ -32,7 +32,7 @@ pub struct Canonical {
     /// Rows are coordinates, columns the eigenvectors in the order of the eigenvalues; the
     /// largest entry of each is positive.
     pub eigenvectors_columns: Vec<Vec<f64>>,
-    /// What the stationary point is.
+    /// Kind of the stationary point.
     pub kind: StationaryKind,
     /// Whether it lies within the ranges of the factors; none on a ridge.
     pub inside_box: Option<bool>,
@@ -43,7 +43,7 @@ pub struct Canonical {
     pub reach_coded: Option<f64>,
 }
 
-/// What a stationary point is.
+/// Kind of a stationary point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StationaryKind {

@@ -6,7 +6,7 @@ use crate::fit::ErrorVariance;
 use crate::{Error, Fit};
 use probability::t_two_sided_quantile;
 
-/// What the fit says about one point.
+/// Prediction of the fit at one point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Prediction {
     /// Natural point, units of the factors.

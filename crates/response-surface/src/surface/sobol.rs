@@ -12,7 +12,7 @@ pub struct Sobol {
     pub variance: f64,
     /// The shares of each factor.
     pub factors: NamedValues<FactorShare>,
-    /// What each pair of factors makes beyond its two first-order shares.
+    /// Share of each pair of factors beyond its two first-order shares.
     pub pairs: NamedValues<Share>,
 }
 

@@ -154,7 +154,7 @@ struct Body {
     balls: Vec<Placed>,
 }
 
-/// The bodies that are there.
+/// The bodies that are inserted so far.
 struct Inserted<'a> {
     /// What leaves room for them.
     room: Room<'a>,

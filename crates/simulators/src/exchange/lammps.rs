@@ -45,7 +45,7 @@ pub struct GranularContact {
     pub rolling_friction: f64,
 }
 
-/// What the conversion of a contact starts from.
+/// Inputs of the conversion of a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Conversion {
     /// Materials of both sides.
@@ -148,7 +148,7 @@ pub fn setup(
     ])
 }
 
-/// What is dumped of each sphere.
+/// Columns of the dump for each sphere.
 pub fn dump_columns(bodies: &[Arc<SeedBody>]) -> &'static str {
     if are_spheres(bodies) {
         "id type x y z radius vx vy vz"

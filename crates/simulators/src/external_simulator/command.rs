@@ -57,7 +57,7 @@ pub struct CommandSettings {
     pub wall_limit_s: f64,
     /// Time that a run takes, s, for the estimate of the price.
     pub expected_s: f64,
-    /// What it leaves.
+    /// Files that it leaves.
     pub results: ResultFiles,
     /// Folder in which runs have their folders.
     pub work: PathBuf,

@@ -10,7 +10,7 @@ use scene::{
 use serde::{Deserialize, Serialize};
 use surface_profile::summarise;
 
-/// What is worth keeping of a run besides the observables and the regime.
+/// Details of a run besides the observables and the regime.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunDetails {
@@ -33,7 +33,7 @@ pub struct RunDetails {
     /// Why no frame of a drum shows a surface, so that there is no angle; `None` if one does, and elsewhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub no_surface: Option<String>,
-    /// What the user should know of the files that a program left; empty if none was read.
+    /// Remarks about the files that a program left; empty if none was read.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remarks: Vec<String>,
     /// Readings of the single frames.
@@ -84,7 +84,7 @@ pub struct SeriesDetails {
     pub centre_of_mass_deg: Vec<f64>,
 }
 
-/// What a run cost.
+/// Cost of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TimingDetails {
@@ -195,7 +195,7 @@ impl RunDetails {
 }
 
 impl TimingDetails {
-    /// What a run cost.
+    /// Cost of a run.
     fn new(result: &RunResult, effort: Effort) -> Self {
         let Effort { wall_s, .. } = effort;
         let steps = result.n_steps as f64;

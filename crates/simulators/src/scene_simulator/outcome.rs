@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// The regime of a run whose bed was not steady before its limit, or is driven by its own rolling torque.
 pub const NOT_STEADY: &str = "not steady";
 
-/// What a run took; it is kept in the details and changes no result.
+/// Effort of a run; it is kept in the details and changes no result.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Effort {
     /// Time by the clock, s.

@@ -40,7 +40,7 @@ pub struct ParameterFile {
 pub struct CalibratedParameter {
     /// Symbol.
     pub symbol: String,
-    /// What it is, in words.
+    /// Description for the reader.
     pub name: String,
     /// Dotted paths of the settings that get its value.
     pub sets: Vec<String>,
@@ -304,7 +304,7 @@ pub struct ReadScene {
     pub scene: Scene,
     /// All settings that were changed, in the order in which they were.
     pub changes: Vec<Override>,
-    /// What the user must know of the values of the parameter file.
+    /// Warnings about the values of the parameter file.
     pub warnings: Vec<String>,
 }
 

@@ -93,7 +93,7 @@ struct Shown<'a> {
     fit: &'a Fit,
     /// Name of the observable.
     quantity: &'a str,
-    /// What was measured.
+    /// The measured value.
     measured: Option<&'a Measurement>,
 }
 

@@ -137,7 +137,7 @@ struct Row<'a> {
     place: String,
     /// Name of the observable.
     quantity: &'a str,
-    /// What was measured.
+    /// The measured value.
     measured: Option<&'a Measurement>,
     /// The runs that gave it, with its means.
     runs: Vec<(&'a FinishedRun, f64)>,

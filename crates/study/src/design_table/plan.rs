@@ -8,7 +8,7 @@ use campaign::{RunRequest, Simulator};
 use inference::{PlannedStage, RunList};
 use serde::Serialize;
 
-/// What the runs of a design table would cost.
+/// Cost of the runs of a design table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DesignPlan {
     /// Rows of the table.
@@ -24,7 +24,7 @@ pub struct DesignPlan {
 }
 
 impl DesignTable {
-    /// What the runs would cost, by the pace of those that a store has, or by a guess.
+    /// Cost of the runs, by the pace of those that a store has, or by a guess.
     ///
     /// # Errors
     ///
