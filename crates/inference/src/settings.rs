@@ -74,7 +74,7 @@ pub struct LoopSettings {
     /// Runs behind each simulated mean of the diagnosis: 2 or more.
     pub diagnosis_replicates: usize,
     /// Most runs of all stages together: no box is begun and no diagnosis made that could need more. Without a limit
-    /// where absent.
+    /// if omitted.
     pub most_runs: Option<usize>,
     /// First seed; each model and point takes those that follow.
     pub seed: u64,

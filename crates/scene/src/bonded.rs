@@ -31,7 +31,7 @@ pub struct BondedSettings {
     pub largest_gap: Length,
     /// Damping ratio of each part of a bond.
     pub damping_ratio: f64,
-    /// Tensile and shear strength; bonds never break where absent.
+    /// Tensile and shear strength; bonds never break if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub strength: Option<[Pressure; 2]>,
 }

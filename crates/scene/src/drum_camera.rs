@@ -18,7 +18,7 @@ pub struct DrumCamera {
     pub pixels: u32,
     /// Angle by which the camera is rolled, counter-clockwise positive, rad.
     pub roll: f64,
-    /// Distance from the front cover, m; parallel rays where absent.
+    /// Distance from the front cover, m; parallel rays if omitted.
     pub distance: Option<f64>,
     /// Largest standard error of the angle from one picture, rad.
     pub max_angle_error: f64,

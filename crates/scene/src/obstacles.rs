@@ -33,7 +33,7 @@ pub struct WallSettings {
     /// Angular velocity: x, y, z.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spin: Option<[AngularSpeed; 3]>,
-    /// Centre of rotation, in the frame of the scene; the origin where absent.
+    /// Centre of rotation, in the frame of the scene; the origin if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub about: Option<[Length; 3]>,
     /// Vibration.

@@ -67,13 +67,13 @@ pub struct SeedSettings {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fill_level: Option<f64>,
     /// Share of the volume of the settled bed that the seeds take, for `fill_level`; [`SOLID_FRACTION`]
-    /// where absent.
+    /// if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub solid_fraction: Option<f64>,
     /// Name of the material.
     pub material: String,
     /// Size of the seed over that of its shape; the filling, stated for the shape, grows with it. A stated mass
-    /// stays; a stated density stays, so that the mass grows. 1 where absent.
+    /// stays; a stated density stays, so that the mass grows. 1 if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<f64>,
     /// How mesh or ellipsoid are filled with spheres.
@@ -92,7 +92,7 @@ pub struct FillingSettings {
     pub method: sphere_fill::Method,
     /// Radius of the spheres (smallest radius for method smooth).
     pub sphere_radius: Length,
-    /// Number of spheres; as many as fit where absent.
+    /// Number of spheres; as many as fit if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sphere_count: Option<usize>,
     /// Surface roughness at which method smooth stops.

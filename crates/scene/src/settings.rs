@@ -51,21 +51,21 @@ pub struct ContactSettings {
     pub restitution: Restitution,
     /// Coefficient of static friction.
     pub static_friction: FrictionCoefficient,
-    /// Coefficient of rolling friction; 0 where absent.
+    /// Coefficient of rolling friction; 0 if omitted.
     #[serde(default = "no_friction")]
     pub rolling_friction: FrictionCoefficient,
-    /// Attraction of a touching pair of spheres beside that of the Bond number, N; 0 where absent.
+    /// Attraction of a touching pair of spheres beside that of the Bond number, N; 0 if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub attraction_n: Option<f64>,
-    /// Cohesion energy density, J/m³: attraction over the area of contact ([`contact_law::linear_cohesion`]); 0 where absent.
+    /// Cohesion energy density, J/m³: attraction over the area of contact ([`contact_law::linear_cohesion`]); 0 if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cohesion_energy_density_j_m3: Option<f64>,
     /// Share, 0 to 1, of viscoelastic damping, whose restitution falls with the speed; the restitution
-    /// stated holds at 1 m/s ([`contact_law::viscoelastic_damping`]). 0 where absent.
+    /// stated holds at 1 m/s ([`contact_law::viscoelastic_damping`]). 0 if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub viscoelastic_damping: Option<f64>,
     /// Relative change of the sliding friction at high speed, half of it at 50 mm/s
-    /// ([`contact_law::rate_dependent_friction`]). 0 where absent.
+    /// ([`contact_law::rate_dependent_friction`]). 0 if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction_rate: Option<f64>,
 }
@@ -79,10 +79,10 @@ fn no_friction() -> FrictionCoefficient {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ModelSettings {
-    /// Which mass enters the dashpots; `sphere` where absent, as in the study's agglomerate.
+    /// Which mass enters the dashpots; `sphere` if omitted, as in the study's agglomerate.
     pub dashpot_mass: dem_solver::DashpotMass,
     /// Share of the damping of the whole seed in the dashpots of its spheres, 0 to 1, with the same share of their pull
-    /// ([`dem_solver::Template::with_whole_damping`]); 0 where absent, and where `dashpot_mass` is not `sphere`.
+    /// ([`dem_solver::Template::with_whole_damping`]); 0 if omitted, and where `dashpot_mass` is not `sphere`.
     #[serde(skip_serializing_if = "is_zero")]
     pub whole_seed_damping: f64,
     /// Treatment of a dashpot that would pull; `clipped` if omitted: it never does.
@@ -90,16 +90,16 @@ pub struct ModelSettings {
     /// Attraction of a touching pair of spheres over the weight of a seed (granular Bond number); 0 where
     /// absent.
     pub bond_number: f64,
-    /// Gravity, m/s²; 9.81 where absent.
+    /// Gravity, m/s²; 9.81 if omitted.
     pub gravity_m_s2: f64,
-    /// The law of rolling resistance; of constant torque where absent.
+    /// The law of rolling resistance; of constant torque if omitted.
     pub rolling_law: RollingLaw,
-    /// From where the lever arm of rolling resistance is taken; from the centre of the seed where absent.
+    /// From where the lever arm of rolling resistance is taken; from the centre of the seed if omitted.
     pub rolling_lever: contact_law::RollingLever,
-    /// Bonds that hold the spheres of a seed together; seeds are rigid where absent.
+    /// Bonds that hold the spheres of a seed together; seeds are rigid if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bonds: Option<crate::BondedSettings>,
-    /// Liquid in bridges between seeds and at walls; dry where absent.
+    /// Liquid in bridges between seeds and at walls; dry if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub liquid: Option<LiquidSettings>,
 }
@@ -166,10 +166,10 @@ pub struct LiquidSettings {
     pub surface_tension_n_m: f64,
     /// Angle of contact.
     pub contact_angle: Angle,
-    /// Viscosity, Pa s; that of water at 20 °C, 0.001, where absent. 0 leaves the viscous forces out.
+    /// Viscosity, Pa s; that of water at 20 °C, 0.001, if omitted. 0 leaves the viscous forces out.
     #[serde(default = "water_viscosity")]
     pub viscosity_pa_s: f64,
-    /// Height of the roughness, the least gap in the viscous forces; 10 um where absent, between polished beads and hairy
+    /// Height of the roughness, the least gap in the viscous forces; 10 um if omitted, between polished beads and hairy
     /// seeds. Half of it doubles the force against coming apart at the touch and shortens the time step where that counts.
     #[serde(default = "usual_roughness")]
     pub roughness: Length,
@@ -210,7 +210,7 @@ pub struct Protocol {
     /// Time step while the seeds settle or run out, as a share of the duration of a hard contact, see
     /// [`hard_contact::STEP_SHARE`], which stands where it is absent.
     pub step_share: f64,
-    /// Time step while the drive runs, likewise; `step_share` where absent.
+    /// Time step while the drive runs, likewise; `step_share` if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flow_step_share: Option<f64>,
     /// Why attempts at the run broke off; the time steps that follow from all this are halved once for each. It belongs neither to a scene
@@ -218,34 +218,34 @@ pub struct Protocol {
     #[serde(skip)]
     pub broken_off: Vec<String>,
     /// Seeds a second that appear above the bottom of the apparatus until all are there; all are there from the
-    /// start where absent.
+    /// start if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub insertion_rate: Option<Frequency>,
     /// Longest time for the seeds to come to rest before the drive starts, behind the last that appears;
-    /// 0.8 s where absent.
+    /// 0.8 s if omitted.
     pub settle_limit: Time,
     /// Slope of the surface of the settled bed in a drum, towards the side that rises: the bed settles
     /// under gravity turned by so much, and the drive starts nearer to the steady state. It changes
-    /// the length of the start-up, not the state behind it; estimated from friction and speed where absent.
+    /// the length of the start-up, not the state behind it; estimated from friction and speed if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start_slope: Option<Angle>,
     /// When in the session the run is made: 0 at its start, 1 at its end. It matters only to effects
     /// that drift.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub session: Option<f64>,
-    /// Longest time of rotation, or of waiting for rest after a wall is lifted; 6 s where absent.
+    /// Longest time of rotation, or of waiting for rest after a wall is lifted; 6 s if omitted.
     pub rotation_limit: Time,
-    /// Time between frames; 0.2 s where absent. An error of a mean over frames is that of whole swings, however close they
+    /// Time between frames; 0.2 s if omitted. An error of a mean over frames is that of whole swings, however close they
     /// lie.
     pub frame_interval: Time,
-    /// Least number of frames in the steady state; 10 where absent.
+    /// Least number of frames in the steady state; 10 if omitted.
     pub frames: usize,
     /// Least time of rotation that counts as start-up: frames and means begin behind it, or later where the bed is
     /// steady later. It is never less than 1.5 swings of the bed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start_up: Option<Time>,
     /// Largest standard error of the mean direction of the centre of mass over time: a drum turns until it is that small,
-    /// four swings of the bed at the least. Any where absent.
+    /// four swings of the bed at the least. Any if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub angle_error: Option<Angle>,
 }
@@ -275,18 +275,18 @@ impl Default for Protocol {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CameraSettings {
-    /// Width and height of a frame, pixels; 480 where absent.
+    /// Width and height of a frame, pixels; 480 if omitted.
     pub pixels: u32,
-    /// Turn of the camera about its axis, counter-clockwise positive as seen in the picture; 0 where absent.
+    /// Turn of the camera about its axis, counter-clockwise positive as seen in the picture; 0 if omitted.
     pub roll: Angle,
-    /// Distance of the camera from the front cover; without end where absent (parallel rays).
+    /// Distance of the camera from the front cover; without end if omitted (parallel rays).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub distance: Option<Length>,
     /// Time after each frame of a drum at which a second picture is taken, from which the speed of the surface is read; no
     /// second picture if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pair_interval: Option<Time>,
-    /// Largest standard error with which the angle may be known from one frame, 0.1 to 30 degrees; 3 degrees where absent.
+    /// Largest standard error with which the angle may be known from one frame, 0.1 to 30 degrees; 3 degrees if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_angle_error: Option<Angle>,
 }

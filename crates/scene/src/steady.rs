@@ -110,7 +110,7 @@ pub struct SteadyRule {
     pub swing: usize,
     /// Least number of values before what is kept.
     pub start_up: usize,
-    /// Largest standard error of the mean of the series, deg; any where absent.
+    /// Largest standard error of the mean of the series, deg; any if omitted.
     pub error: Option<f64>,
 }
 

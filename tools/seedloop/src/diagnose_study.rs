@@ -31,7 +31,7 @@ use study_report::{RunningPage, answer};
 pub(crate) struct Options {
     /// Profile of the study file.
     pub(crate) profile: Option<String>,
-    /// File with the parameters from which it starts; the start values of the study where absent.
+    /// File with the parameters from which it starts; the start values of the study if omitted.
     pub(crate) from: Option<PathBuf>,
     /// First seed.
     pub(crate) seed: u64,

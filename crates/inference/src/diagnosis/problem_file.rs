@@ -89,7 +89,7 @@ pub struct ExperimentFile {
     pub sensitivities_library: Vec<Vec<f64>>,
     /// Covariance of its rows, measurement and simulator together (its rows, its rows).
     pub covariance: Vec<Vec<f64>>,
-    /// Effects that it can show: those whose columns of `sensitivities_library` are known; all where absent.
+    /// Effects that it can show: those whose columns of `sensitivities_library` are known; all if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub effects: Option<Vec<String>>,
     /// The runs behind its sensitivities; absent where these are exact.
@@ -148,7 +148,7 @@ pub struct ProblemFile {
     pub cov_note: Option<String>,
     /// Degrees of freedom of the covariances where they were estimated; absent when known.
     pub covariance_dof: Option<f64>,
-    /// Names of the declared parameters; P1, P2 ... where absent.
+    /// Names of the declared parameters; P1, P2 ... if omitted.
     pub declared: Vec<String>,
     /// d simulated / d declared parameter (rows, parameters).
     pub sensitivities_declared: Vec<Vec<f64>>,
@@ -167,7 +167,7 @@ pub struct ProblemFile {
     pub at_fitted_parameters: bool,
     /// Prior precision of the declared parameters; absent when all are free.
     pub prior_precision: Option<PriorPrecision>,
-    /// Prior mean minus fitted value of the declared parameters; 0 where absent.
+    /// Prior mean minus fitted value of the declared parameters; 0 if omitted.
     pub prior_offset: Vec<f64>,
     /// Names of the library effects.
     pub library: Vec<String>,
@@ -177,7 +177,7 @@ pub struct ProblemFile {
     pub cov_sensitivities_library: Vec<CovarianceInput>,
     /// Physically largest amplitude, by effect: a size, or `[least, greatest]`; absent when there is no limit.
     pub largest_amplitudes: BTreeMap<String, Largest>,
-    /// Physically possible sign of an amplitude, by effect; any where absent.
+    /// Physically possible sign of an amplitude, by effect; any if omitted.
     pub signs: BTreeMap<String, Sign>,
     /// Effects that the simulator could not be run with at the amplitude that would explain the residual: their sensitivities
     /// are of elsewhere.
@@ -187,9 +187,9 @@ pub struct ProblemFile {
     pub unused_conditions: Vec<Condition>,
     /// Observed minus simulated on the unused conditions (unused rows).
     pub unused_residual_obs_minus_sim: Vec<Option<f64>>,
-    /// Covariance of the measurement there; where absent, the shared block of the used ones.
+    /// Covariance of the measurement there; if omitted, the shared block of the used ones.
     pub unused_cov_measurement: Option<CovarianceInput>,
-    /// Covariance of the simulator there; where absent, the shared block of the used ones.
+    /// Covariance of the simulator there; if omitted, the shared block of the used ones.
     pub unused_cov_simulator: Option<CovarianceInput>,
     /// d simulated / d declared parameter there (unused rows, parameters).
     pub unused_sensitivities_declared: Vec<Vec<f64>>,

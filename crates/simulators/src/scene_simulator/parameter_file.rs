@@ -46,7 +46,7 @@ pub struct CalibratedParameter {
     pub sets: Vec<String>,
     /// The value, in `unit`.
     pub value: f64,
-    /// Unit of value, standard error and interval; a pure number where absent or `1`.
+    /// Unit of value, standard error and interval; a pure number if omitted or `1`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
     /// Standard error, in `unit`.
