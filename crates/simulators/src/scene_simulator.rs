@@ -17,6 +17,7 @@ mod details;
 mod error;
 mod outcome;
 mod parameter_file;
+mod scene_run;
 mod simulator;
 mod surface;
 
@@ -32,5 +33,6 @@ pub use outcome::{Effort, NOT_STEADY, outcome_of, word};
 pub use parameter_file::{
     CalibratedEffect, CalibratedParameter, ParameterFile, ReadScene, read_scene,
 };
-pub use simulator::{SceneRun, SceneSimulator};
+pub use scene_run::SceneRun;
+pub use simulator::SceneSimulator;
 pub use surface::{SurfaceReadings, over_frames, scatter_of, unread_frames};

@@ -1,20 +1,16 @@
 //! Scenes and effects as a simulator that the calibration can ask.
 
 use crate::scene_simulator::binding::present_paths;
-use crate::scene_simulator::cost::expected_cost;
-use crate::scene_simulator::outcome::outcome_of;
-use crate::scene_simulator::{Binding, Effort, Error};
+use crate::scene_simulator::{Binding, Error, SceneRun};
 use campaign::{Cores, PreparedRun, RunOutcome, RunRequest, Simulator, SimulatorError};
 use input::quantity::AngularSpeed;
 use scene::{Control, FillingLibrary, Override, RunResult, Scene, USUAL_RETRIES, run_retrying};
-use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
-use std::time::Instant;
 
 /// Revision of the physics: raised when the same scene and seed give other or further numbers.
 const REVISION: u32 = 18;
@@ -231,7 +227,7 @@ impl SceneSimulator {
             simulator: self,
             scene: self.scene_of(request)?.reduced(),
             seed: request.seed,
-            factor: self.factor(request).unwrap_or(1.0),
+            coarseness: self.factor(request).unwrap_or(1.0),
         })
     }
 
@@ -275,7 +271,7 @@ impl SceneSimulator {
     /// # Errors
     ///
     /// A file that no scene had at the start.
-    fn by_content(&self, mut scene: Scene) -> Result<Scene, SimulatorError> {
+    pub(super) fn by_content(&self, mut scene: Scene) -> Result<Scene, SimulatorError> {
         let folder = scene.folder.clone();
         let of_seeds = scene.seed.iter_mut();
         let of_seeds = of_seeds.flat_map(|s| s.mesh.iter_mut().chain(s.spheres.iter_mut()));
@@ -293,7 +289,7 @@ impl SceneSimulator {
     /// Runs a scene; where the same seeds moved before under another camera, their frames are seen again.
     ///
     /// Returns the run, and whether it was only seen.
-    fn run_or_see(
+    pub(super) fn run_or_see(
         &self,
         scene: &Scene,
         seed: u64,
@@ -348,53 +344,6 @@ impl Simulator for SceneSimulator {
         request: &RunRequest,
     ) -> Result<Box<dyn PreparedRun + 's>, SimulatorError> {
         Ok(Box::new(self.prepare_scene(request)?))
-    }
-}
-
-/// A scene that is ready to be run.
-#[derive(Debug)]
-pub struct SceneRun<'s> {
-    simulator: &'s SceneSimulator,
-    /// The scene of the request without what its run does not depend on.
-    scene: Scene,
-    seed: u64,
-    /// How many times as large as in the scene the seeds are.
-    factor: f64,
-}
-
-impl SceneRun<'_> {
-    /// The scene of the request without what its run does not depend on: what is run, and what the key is made of.
-    pub fn scene(&self) -> &Scene {
-        &self.scene
-    }
-
-    /// Its scene, for a caller that runs it itself.
-    pub fn into_scene(self) -> Scene {
-        self.scene
-    }
-}
-
-impl PreparedRun for SceneRun<'_> {
-    fn inputs(&self) -> Result<Value, SimulatorError> {
-        let scene = self.simulator.by_content(self.scene.clone())?;
-        let settings = serde_json::to_value(&scene).map_err(SimulatorError::other)?;
-        Ok(json!({ "scene": settings }))
-    }
-
-    fn cost(&self) -> f64 {
-        // Coarser seeds take fewer steps too: the stable one grows with the diameter.
-        expected_cost(&self.scene) / self.factor
-    }
-
-    fn run(&self, cores: &Cores) -> Result<RunOutcome, SimulatorError> {
-        let begin = Instant::now();
-        let (result, only_seen) = self.simulator.run_or_see(&self.scene, self.seed, cores)?;
-        let effort = Effort {
-            wall_s: begin.elapsed().as_secs_f64(),
-            only_seen,
-            ..Effort::default()
-        };
-        outcome_of(&self.scene, &result, effort).map_err(SimulatorError::other)
     }
 }
 
