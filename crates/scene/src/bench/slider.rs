@@ -1,4 +1,4 @@
-//! The slider: seeds glued to a sled that is pulled over a plate; the pull over the weight is the
+//! The sled (`slider`): seeds glued to a sled that is pulled over a plate; the pull over the weight is the
 //! coefficient of friction.
 
 use super::plate::{Plate, flat, glued, rigid};
