@@ -165,10 +165,7 @@ impl<'a> Campaign<'a> {
     }
 
     /// Result of every job: from the store, or by running it.
-    fn do_all(
-        &self,
-        jobs: &[Job<'_>],
-    ) -> Result<Vec<Option<Result<Record, Failure>>>, Error> {
+    fn do_all(&self, jobs: &[Job<'_>]) -> Result<Vec<Option<Result<Record, Failure>>>, Error> {
         let own = Pace::new();
         let pace = self.pace.unwrap_or(&own);
         pace.begin_list(self.length_of(jobs.iter().map(|job| job.cost)));

@@ -154,8 +154,7 @@ impl Scene {
         if let Some(time) = self.camera.pair_interval
             && !(time.si() > 0.0 && time.si() <= MOST_PAIR_INTERVAL)
         {
-            let requirement =
-                "above 0 and at most 50 ms, since the seeds are taken to keep their speed for this time";
+            let requirement = "above 0 and at most 50 ms, since the seeds are taken to keep their speed for this time";
             found.push(bad("camera.pair_interval", time.to_string(), requirement));
         }
         if let Some(error) = self.camera.max_angle_error

@@ -2,7 +2,7 @@
 
 use scene::{Apparatus, Scene};
 
-/// Time of one core for one unit of [`campaign::Simulator::expected_cost`], s.
+/// Time of one core for one unit of [`campaign::PreparedRun::cost`], s.
 ///
 /// A guess of ours for as long as no planned run is finished: the drum of 1200 seeds of 140 spheres takes some 20 s for a cost of 8200. Other machines and
 /// seeds of few spheres differ by a factor of several. Nothing but the estimate told and a budget in core hours
