@@ -1,5 +1,6 @@
 //! The revision of the physics, which is part of the key of every record, belongs to these numbers.
 
+use campaign::run_store::Record;
 use campaign::{RunRequest, Simulator as _};
 use scene::{FillingLibrary, Override, Scene, run};
 use simulators::scene_simulator::SceneSimulator;
@@ -183,4 +184,20 @@ fn the_revision_belongs_to_the_beds() {
         -3.914293413e-3,
     ];
     belong_to_the_revision(&found, &pinned);
+}
+
+/// Records of earlier builds of this revision are found again: the key of a run is theirs.
+#[test]
+fn the_key_of_a_run_is_that_of_earlier_builds() {
+    let drop =
+        "kind = \"drop\"\nplate = \"glass\"\nseed = \"grain\"\nrepeats = 2\nheight = \"50 mm\"";
+    let scenes = BTreeMap::from([("test".to_owned(), scene(drop, &[]))]);
+    let simulator = SceneSimulator::new(scenes, BTreeMap::new()).expect("a simulator");
+    let run = simulator.prepare(&RunRequest::new("test", 3));
+    let inputs = run.and_then(|run| run.inputs()).expect("a sound scene");
+    let blank = Record::new(&simulator.version(), inputs, 3).expect("finite numbers");
+    assert_eq!(
+        blank.key(),
+        "5c23960cd3ad188081d1ca62009ab9f7393b034cd677250cda99f7fb89ef1e8a"
+    );
 }
