@@ -3,6 +3,7 @@
 //! The linear prediction only proposes: every error in the result comes from real runs.
 
 pub(crate) mod amplitude;
+mod amplitude_curve;
 pub(crate) mod amplitude_search;
 mod assemble;
 mod candidates;
