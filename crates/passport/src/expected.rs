@@ -1,9 +1,10 @@
 //! The expected numbers and their bands.
 
 use crate::Error;
-use crate::case::{Case, Component, cases};
+use crate::case::{Case, Component};
 use crate::model::Model;
 use crate::packing::{Packing, QUANTITIES};
+use crate::small_cases::cases;
 use crate::variant::Variant;
 use crate::{reference, solver};
 use serde::{Deserialize, Serialize};

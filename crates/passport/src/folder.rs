@@ -1,12 +1,14 @@
 //! The files of a passport.
 
 use crate::Error;
-use crate::case::{Case, Start, cases};
+use crate::case::{Case, Start};
+use crate::codes;
 use crate::expected::Expected;
 use crate::model::Model;
 use crate::packing::Packing;
 use crate::readme::readme;
 use crate::results::{HEADER, template};
+use crate::small_cases::cases;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
@@ -33,6 +35,26 @@ pub struct Calibrated {
     pub interval95: Option<[f64; 2]>,
 }
 
+/// Covariance of calibrated values from their standard errors and correlation: `se_i se_j r_ij`.
+pub fn covariance(calibrated: &[Calibrated], correlation: &[Vec<f64>]) -> Vec<Vec<Option<f64>>> {
+    let row = |(of, row): (&Calibrated, &Vec<f64>)| {
+        let each = calibrated.iter().zip(row);
+        each.map(|(with, r)| Some(of.se? * with.se? * r)).collect()
+    };
+    calibrated.iter().zip(correlation).map(row).collect()
+}
+
+/// Grains of one kind.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Grain {
+    /// Name in the scene.
+    pub name: String,
+    /// Diameter of the sphere of equal volume, m.
+    pub diameter_m: f64,
+    /// Spheres of one grain.
+    pub spheres: usize,
+}
+
 /// Where the values hold.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Validity {
@@ -44,10 +66,14 @@ pub struct Validity {
     pub measurements: Vec<String>,
     /// Apparatus of the scene.
     pub apparatus: String,
-    /// Speed of its wall or of a fall, m/s.
+    /// Grains of the scene.
+    pub grains: Vec<Grain>,
+    /// Highest speed, m/s: of its wall, or of a fall through it.
     pub speed_m_s: f64,
-    /// Weight of a bed as deep as the apparatus over its area, Pa.
+    /// Highest stress, Pa: weight of a bed as deep as the apparatus over its area.
     pub stress_pa: f64,
+    /// Regimes of the runs at the estimate; empty if unknown.
+    pub regimes: Vec<String>,
 }
 
 /// All that the folder states, for programs.
@@ -61,6 +87,8 @@ pub struct Passport {
     pub calibrated: Vec<Calibrated>,
     /// Correlation of the calibrated values, if known.
     pub correlation: Option<Vec<Vec<f64>>>,
+    /// Their covariance, if known, in the product of the units of row and column; `None` beside a value that nothing fixes.
+    pub covariance: Option<Vec<Vec<Option<f64>>>>,
     /// Where they hold.
     pub validity: Validity,
     /// Expected numbers of the self-test.
@@ -88,7 +116,12 @@ pub fn files(passport: &Passport) -> Result<Vec<File>, Error> {
     let cases = cases(model);
     let file = |name, text| File { name, text };
     let fixed = |name, text: &str| file(name, text.to_owned());
-    Ok(vec![
+    let covariance = passport.covariance.as_ref();
+    let mut files: Vec<File> = covariance
+        .map(|rows| file("covariance.csv", covariances(&passport.calibrated, rows)))
+        .into_iter()
+        .collect();
+    files.extend([
         file("README.md", readme(passport, &cases)),
         file(PASSPORT, json + "\n"),
         file("runs.csv", runs(model, &cases)),
@@ -97,21 +130,16 @@ pub fn files(passport: &Passport) -> Result<Vec<File>, Error> {
         file("spheres.csv", spheres(model, &cases)),
         file("expected.csv", expected(&passport.expected)),
         file("RESULTS.csv", template(&passport.expected)),
-        fixed("other-codes.md", include_str!("folder/other-codes.md")),
+        file(
+            "other-codes.md",
+            include_str!("folder/other-codes.md").replace("{codes}", &codes::table()),
+        ),
         fixed("run_lammps.py", include_str!("folder/run_lammps.py")),
         fixed("run_liggghts.py", include_str!("folder/run_liggghts.py")),
         fixed("run_yade.py", include_str!("folder/run_yade.py")),
         fixed("cases.py", include_str!("folder/cases.py")),
-    ])
-}
-
-/// Reads a passport.
-///
-/// # Errors
-///
-/// A text that is none.
-pub fn read_passport(text: &str) -> Result<Passport, Error> {
-    serde_json::from_str(text).map_err(|source| Error::Json(source.to_string()))
+    ]);
+    Ok(files)
 }
 
 /// Adds a line to a table.
@@ -119,6 +147,23 @@ fn line(text: &mut String, cells: std::fmt::Arguments<'_>) {
     // Writing to a string cannot fail.
     let _ = text.write_fmt(cells);
     text.push('\n');
+}
+
+/// The covariance: a row and a column for each symbol; a cell is in the product of both units, and empty if nothing fixes the value.
+fn covariances(calibrated: &[Calibrated], rows: &[Vec<Option<f64>>]) -> String {
+    let symbols: Vec<&str> = calibrated.iter().map(|c| c.symbol.as_str()).collect();
+    let mut text = format!("symbol,unit,{}\n", symbols.join(","));
+    for (of, row) in calibrated.iter().zip(rows) {
+        let cells = row
+            .iter()
+            .map(|x| x.map_or(String::new(), |x| format!("{x:e}")));
+        let cells: Vec<String> = cells.collect();
+        line(
+            &mut text,
+            format_args!("{},{},{}", of.symbol, of.unit, cells.join(",")),
+        );
+    }
+    text
 }
 
 /// Numbers as cells.

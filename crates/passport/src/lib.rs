@@ -5,28 +5,43 @@
 //! small cases with their bands, and [`check()`] compares the numbers of another code with them: the conventions are rival
 //! effects of [`inference::diagnosis`], so that one is named only if the numbers exclude the others.
 
+mod advice;
+mod bench;
 mod case;
 mod check;
+mod codes;
 mod convention;
 mod expected;
 mod folder;
+mod known_readings;
 mod model;
 mod packing;
+mod reading;
 mod readme;
 mod reference;
+mod reference_law;
+mod resting;
 mod results;
+mod search;
+mod small_cases;
 mod solver;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_of_files;
 mod variant;
 
-pub use case::{Case, Component, Quantity, Shape, Start, cases};
-pub use check::{Checked, Difference, Row, check};
+pub use advice::Difference;
+pub use case::{Case, Component, Quantity, Shape, Start};
+pub use check::{Checked, Row, check};
+pub use codes::{CODES, Code, Known, known_of};
 pub use expected::{Expected, expected, of_small_cases};
-pub use folder::{Calibrated, File, PASSPORT, Passport, Validity, files, read_passport};
+pub use folder::{Calibrated, File, Grain, PASSPORT, Passport, Validity, covariance, files};
 pub use model::{Contact, Model};
 pub use packing::Packing;
+pub use reading::read_passport;
 pub use results::read_results;
+pub use small_cases::cases;
 
 /// Why a passport cannot be written or checked.
 #[derive(Debug, thiserror::Error)]
@@ -77,6 +92,16 @@ pub enum Error {
         /// Its name.
         name: String,
         /// Those that can.
+        known: String,
+    },
+    /// A code whose conventions are not known.
+    #[error(
+        "the conventions of the code '{name}' are not known beforehand; expected one of {known}, or state each convention with --accept"
+    )]
+    Code {
+        /// Its name.
+        name: String,
+        /// Those that are known.
         known: String,
     },
     /// The expected numbers are those of another version.

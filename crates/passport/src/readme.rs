@@ -2,12 +2,13 @@
 
 use crate::case::Case;
 use crate::convention::rolling_law_in_words;
-use crate::folder::Passport;
+use crate::folder::{Grain, Passport};
 use crate::model::Model;
 use crate::packing::{FARTHEST, Packing, SLICE};
 use contact_law::{NormalForceEnd, RollingLever};
 use dem_solver::DashpotMass;
 use input::quantity::significant;
+use scene::RollingLaw;
 
 /// The page.
 pub(crate) fn readme(passport: &Passport, cases: &[Case]) -> String {
@@ -82,21 +83,31 @@ fn values(passport: &Passport) -> String {
             let row: Vec<String> = row.iter().map(|x| format!("{x:6.2}")).collect();
             text.extend([format!("{}\n", row.join(" "))]);
         }
-        text += "```\n";
+        text += "```\n\n`covariance.csv` has the covariance: each cell is in the product of the units of its row and column.\n";
     }
     text
 }
 
 /// Where the values were fitted.
 fn validity(passport: &Passport) -> String {
-    let (v, model) = (&passport.validity, &passport.model);
+    let v = &passport.validity;
+    let grains: Vec<String> = v.grains.iter().map(grain).collect();
     let mut text = format!(
-        "## Where they hold\n\n- Grain size: {} mm (diameter of the sphere of equal volume).\n- Apparatus: {}, at a speed of {} m/s; the weight of \
-         a bed as deep as the apparatus is {} Pa.\n",
-        significant(2e3 * model.radius_m, 3),
+        "## Where they hold\n\n\
+         - Grains: {}; the diameter is that of the sphere of equal volume.\n\
+         - Apparatus: {}.\n\
+         - Speed: up to {} m/s.\n\
+         - Stress: up to {} Pa, the weight of a bed as deep as the apparatus.\n\
+         - Regime: {}.\n",
+        grains.join("; "),
         v.apparatus,
         significant(v.speed_m_s, 3),
         significant(v.stress_pa, 2),
+        if v.regimes.is_empty() {
+            "unknown, as the values come without a result".to_owned()
+        } else {
+            v.regimes.join(", ")
+        },
     );
     match v.met {
         Some(true) => text += "- The calibration met its measurements and checks.\n",
@@ -112,6 +123,16 @@ fn validity(passport: &Passport) -> String {
         text.extend([format!("- {row}\n")]);
     }
     text
+}
+
+/// Grains of one kind in words.
+fn grain(grain: &Grain) -> String {
+    let shape = match grain.spheres {
+        1 => "a sphere".to_owned(),
+        n => format!("{n} spheres"),
+    };
+    let diameter = significant(1e3 * grain.diameter_m, 3);
+    format!("{} of {diameter} mm, {shape} each", grain.name)
 }
 
 /// What no parameters can promise.
@@ -148,6 +169,15 @@ fn conventions(model: &Model) -> String {
         RollingLever::Sphere => "from the contact to the centre of the sphere, `R - d/2`",
     };
     let law = rolling_law_in_words(model.rolling_law);
+    let twist = match model.rolling_law {
+        RollingLaw::ConstantTorque => {
+            "the torque is against the whole relative spin, twisting about the normal included"
+        }
+        RollingLaw::SpringDashpot => {
+            "none: the rolling spring takes the part of the relative spin across the normal; its stiffness is `2.25 * 8 G* a L^2`, its dashpot \
+             `0.6 sqrt(I k)` below the limit and zero at it, with I the moments of both bodies about the contact in series"
+        }
+    };
     format!(
         "## Conventions\n\n\
          With overlap d, radius of the contact `a = sqrt(R* d)`, `1/R* = 1/R_i + 1/R_j` (R at a wall), `1/m* = 1/m_i + 1/m_j` (m at a wall), \
@@ -160,11 +190,17 @@ fn conventions(model: &Model) -> String {
          | restitution, friction, rolling | stated for each pair of materials; nothing is averaged or mixed | own |\n\
          | tangential force | `-(8 G* a s + 2 sqrt(5/6) b sqrt(8 G* a m*) v_t)` | Tsuji 1992 |\n\
          | tangential history | the displacement s is kept and turned with the contact; on unloading the force falls with a, s stays | Cundall and Strack 1979 |\n\
-         | order of the limits | first s is shortened until `8 G* a s <= mu F_n`, then spring and dashpot together to `mu F_n` | own |\n\
+         | order of the limits | first s is shortened until `8 G* a s <= mu max(F_n, 0)`, then spring and dashpot together to the same; a normal force that pulls carries no friction | own |\n\
          | rolling resistance | {law}: `mu_r F_n L`, `1/L = 1/l_i + 1/l_j` (l at a wall); two equal spheres have `L = R/2`, not R and not 2 R | Ai 2011 |\n\
          | lever arm l | {lever} | Ai 2011 |\n\
+         | twisting | {twist} | Ai 2011 |\n\
+         | point of contact | the middle of the overlap: forces act at the distance `R - d/2` from the centre of a sphere | own |\n\
+         | wall | a plane at rest, of infinite mass and radius | own |\n\
          | cohesion | constant attraction while the surfaces overlap, and `k 2 pi R* d`; the limit of sliding is `mu` times the repulsive part | Kloss 2012 |\n\
-         | time step | a fraction of the duration of a Hertz impact, `2.94 (15 m / (16 sqrt(R) E*))^(2/5) v^(-1/5)`; not of a Rayleigh time | Hertz 1881 |\n"
+         | time step | a fraction of the duration of a Hertz impact, `2.94 (15 m / (16 sqrt(R) E*))^(2/5) v^(-1/5)`; not of a Rayleigh time | Hertz 1881 |\n\n\
+         Sources: Hertz, Journal für die reine und angewandte Mathematik 92 (1881) 156; Mindlin, Journal of Applied Mechanics 16 (1949) 259; \
+         Cundall and Strack, Géotechnique 29 (1979) 47; Tsuji, Tanaka and Ishida, Powder Technology 71 (1992) 239; Ai, Chen, Rotter and Ooi, \
+         Powder Technology 206 (2011) 269; Kloss and others, Progress in Computational Fluid Dynamics 12 (2012) 140; own: a choice of seedloop.\n"
     )
 }
 
@@ -178,7 +214,7 @@ fn self_test(passport: &Passport, cases: &[Case]) -> String {
          2. Run it to t1, and to t2 if there is one, and write the numbers into `RESULTS.csv`. Velocity, spin (angular velocity) and displacement \
          are those of body 1, in the frame of the world; of bed and heap report the mean x, each x counted as {FARTHEST} radii at most, and the mean y \
          of all centres. A shorter time step is as good.\n\
-         3. Run `seedloop passport --check RESULTS.csv` beside this folder's `passport.json`.\n\n\
+         3. Run `seedloop passport --check RESULTS.csv` beside this folder's `passport.json`; for a code of `other-codes.md` with `--code NAME`.\n\n\
          `expected.csv` has the expected numbers, computed by seedloop, the band (one standard deviation: numerical for the small cases, \
          over random starts for bed and heap), and a closed form if there is one. `run_lammps.py`, `run_liggghts.py` and `run_yade.py` \
          do steps 1 and 2. `other-codes.md` compares the conventions of other codes.\n\n| case | shows |\n|---|---|\n"

@@ -1,21 +1,20 @@
 //! The reference integrator beside the solver, the expected numbers beside closed forms, and each convention read in another way.
 
-use crate::case::cases;
-use crate::check::check;
+use crate::check::{Checked, check};
+use crate::codes::known_of;
 use crate::convention::{CONVENTIONS, concerns};
 use crate::expected::{Expected, of_small_cases, shift};
-use crate::folder::{Passport, Validity, files, read_passport};
 use crate::model::{Contact, Model};
-use crate::results::{read_results, template};
+use crate::small_cases::cases;
 use crate::variant::Variant;
-use crate::{Error, Packing, reference, solver};
+use crate::{Error, reference, solver};
 use contact_law::{Material, NormalForceEnd, RollingLever};
 use dem_solver::DashpotMass;
 use inference::diagnosis::Verdict;
 use scene::RollingLaw;
 
 /// Soft beads, as clumps of two, on a stiffer wall, without cohesion.
-fn beads() -> Model {
+pub(crate) fn beads() -> Model {
     let contact = |restitution, static_friction, rolling_friction| Contact {
         restitution,
         static_friction,
@@ -266,107 +265,63 @@ fn an_accepted_convention_is_no_difference() {
     assert!(matches!(wrong, Error::Accepted { name, .. } if name == "rolling"));
 }
 
-/// Rows of a small passport.
-fn few_rows() -> Vec<Expected> {
-    let row = |quantity: &str, unit: &str| Expected {
-        case: "rolling".into(),
-        quantity: quantity.into(),
-        unit: unit.into(),
-        value: 1.0,
-        band: 0.1,
-        closed_form: None,
-        varies: false,
-    };
-    vec![
-        row("velocity_x_at_t1", "m/s"),
-        row("displacement_x_at_t2", "m"),
-    ]
-}
-
-/// Each fault of a table of results names its line and the fault; blank lines, comments and the order of rows do not matter.
+/// A code of the list may pull, limits sliding in its own order and by the size of the normal force: with its known conventions the end of
+/// the normal force is named alone, without a friction that makes up for the rest.
 #[test]
-fn faults_of_results_name_their_line() {
-    let rows = few_rows();
-    let read = |text: &str| read_results(text, "RESULTS.csv", &rows);
-    let good = "# mine\ncase,quantity,unit,value\n\nrolling,displacement_x_at_t2,m,2.5e-3\nrolling, velocity_x_at_t1, m/s, 1\n";
-    assert_eq!(read(good).unwrap(), [1.0, 2.5e-3]);
-    let head = "case,quantity,unit,value\n";
-    for (line, word) in [
-        ("rolled,velocity_x_at_t1,m/s,1", "'rolled'"),
-        ("rolling,velocity_z_at_t1,m/s,1", "'velocity_z_at_t1'"),
-        ("rolling,velocity_x_at_t1,mm/s,1", "'mm/s'"),
-        ("rolling,velocity_x_at_t1,m/s,NaN", "'NaN'"),
-        ("rolling,velocity_x_at_t1,m/s,fast", "'fast'"),
-        ("rolling,velocity_x_at_t1,m/s,", "no value"),
-        ("rolling,velocity_x_at_t1,m/s", "3 cells"),
-        (
-            "rolling,displacement_x_at_t2,m,1\nrolling,displacement_x_at_t2,m,1",
-            "line 2",
-        ),
-    ] {
-        let last = line.lines().count() + 1;
-        match read(&format!("{head}{line}\n")).unwrap_err() {
-            Error::Results { line, what, .. } => {
-                assert!(line == last && what.contains(word), "{line}: {what}");
-            }
-            other => panic!("{other}"),
-        }
-    }
-    assert!(matches!(
-        read("value\n1\n"),
-        Err(Error::Results { line: 1, .. })
-    ));
-    match read(&format!("{head}rolling,displacement_x_at_t2,m,1\n")).unwrap_err() {
-        Error::Missing { rows, .. } => assert_eq!(rows, "rolling velocity_x_at_t1"),
-        other => panic!("{other}"),
-    }
-    // The template has every row and no value.
-    assert!(matches!(
-        read(&template(&rows)),
-        Err(Error::Results { line: 2, .. })
-    ));
-}
-
-/// A passport is read as it was written; its tables have every body and sphere; numbers of another version are refused.
-#[test]
-fn a_passport_is_read_as_it_was_written() {
+fn what_is_known_of_a_code_is_not_named_beside_a_difference() {
     let model = beads();
-    let passport = Passport {
-        version: "1".into(),
-        model: model.clone(),
-        calibrated: Vec::new(),
-        correlation: Some(vec![vec![1.0]]),
-        validity: Validity::default(),
-        expected: few_rows(),
-    };
-    let files = files(&passport).unwrap();
-    let text = |name: &str| &files.iter().find(|file| file.name == name).unwrap().text;
-    assert_eq!(read_passport(text("passport.json")).unwrap(), passport);
-    let small: usize = cases(&model).iter().map(|case| case.bodies.len()).sum();
-    let packed: usize = Packing::ALL.iter().map(|p| p.starts(&model, 1).len()).sum();
-    assert_eq!(packed, 200 + 300);
-    assert_eq!(text("bodies.csv").lines().count(), 1 + small + packed);
-    // Two cases have one clump of two spheres.
-    assert_eq!(text("spheres.csv").lines().count(), 1 + small + packed + 2);
-    assert!(matches!(
-        check(&model, &few_rows(), &[1.0, 1.0], &[]),
-        Err(Error::OtherVersion)
-    ));
-    assert!(read_passport("{}").is_err());
+    let rows = of_small_cases(&model).unwrap();
+    let known = known_of("lammps").unwrap().known;
+    let accepted: Vec<String> = known.iter().map(|k| k.convention.to_owned()).collect();
+    let all: Vec<(&str, f64)> = known
+        .iter()
+        .map(|known| (known.convention, 1.0))
+        .chain([("normal-force-end", 1.0)])
+        .collect();
+    let got = read_in_another_way(&model, &rows, &all);
+    let checked = check(&model, &rows, &got, &accepted).unwrap();
+    assert_eq!(names(&checked), (Verdict::Named, vec!["normal-force-end"]));
 }
 
-/// The spheres of a packing do not overlap, and are inside its planes.
+/// Where the order of the limits is that of another code, a friction of half as much again is named with its factor; of five times as much
+/// the grains stick, so that only a least factor is stated.
 #[test]
-fn packings_start_without_contacts() {
-    let model = beads();
-    for packing in Packing::ALL {
-        let centres = packing.starts(&model, 3);
-        for (i, a) in centres.iter().enumerate() {
-            let others = centres[..i].iter().map(|b| (a - b).norm());
-            assert!(others.fold(f64::INFINITY, f64::min) > 2.0 * model.radius_m);
-            for [point, normal] in packing.planes(&model) {
-                assert!((a - point).dot(&normal) > model.radius_m, "{a}");
-            }
-        }
+fn a_larger_friction_is_named_with_its_factor_or_the_least_one() {
+    let mut model = beads();
+    model.clumps = false;
+    for contact in &mut model.contacts {
+        contact.rolling_friction = 0.0;
     }
+    let rows = of_small_cases(&model).unwrap();
+    let accepted = ["limit-of-spring", "history-as-force"].map(str::to_owned);
+    for (factor, is_least) in [(1.5, false), (5.0, true)] {
+        let got = read_in_another_way(
+            &model,
+            &rows,
+            &[
+                ("limit-of-spring", 1.0),
+                ("history-as-force", 1.0),
+                ("friction-grains", factor),
+            ],
+        );
+        let checked = check(&model, &rows, &got, &accepted).unwrap();
+        assert_eq!(names(&checked), (Verdict::Named, vec!["friction-grains"]));
+        let found = &checked.differences[0];
+        let [low, high] = found.interval95.unwrap();
+        assert!((low..=high).contains(&factor), "{factor}: {low} to {high}");
+        assert_eq!(
+            found.advice.contains("at least"),
+            is_least,
+            "{}",
+            found.advice
+        );
+        let stated = found.factor.unwrap();
+        assert!(is_least || (stated / factor - 1.0).abs() < 0.02, "{stated}");
+    }
+}
+
+/// Verdict and names of an answer.
+fn names(checked: &Checked) -> (Verdict, Vec<&str>) {
+    let each = checked.differences.iter().map(|d| d.convention.as_str());
+    (checked.verdict, each.collect())
 }

@@ -52,6 +52,8 @@ pub(crate) struct Variant {
     pub(crate) history: History,
     /// What the limit of sliding holds.
     pub(crate) limit: SlidingLimit,
+    /// Whether the limit takes the size of the normal force, also while this pulls.
+    pub(crate) limit_by_size: bool,
 }
 
 impl Variant {
@@ -67,6 +69,7 @@ impl Variant {
             rolling_by_spring: false,
             history: History::Displacement,
             limit: SlidingLimit::SpringThenSum,
+            limit_by_size: false,
         }
     }
 

@@ -1,6 +1,6 @@
 //! `seedloop passport`: parameters with their conventions and a self-test for other codes, and what the self-test says.
 
-use ::passport::{Calibrated, Checked, Model, PASSPORT, Passport, Validity};
+use ::passport::{Calibrated, Checked, Grain, Model, PASSPORT, Passport, Validity};
 use anyhow::{Context as _, bail, ensure};
 use command_line::{Common, DONE, Header, NOT_MET, try_folder, write_new};
 use inference::diagnosis::Verdict;
@@ -8,6 +8,7 @@ use scene::{FillingLibrary, Scene};
 use serde::Serialize;
 use serde_json::Value;
 use simulators::scene_simulator::ParameterFile;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Solid fraction of a bed, for the stress at its bottom.
@@ -46,6 +47,11 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "CONVENTION", requires = "check")]
     accept: Vec<String>,
 
+    /// With --check: the code (lammps, liggghts, mercurydpm, yade); the conventions in which its source is known to differ, and that nothing converts,
+    /// count as no difference
+    #[arg(long, value_name = "NAME", requires = "check")]
+    code: Option<String>,
+
     #[command(flatten)]
     common: Common,
 }
@@ -66,6 +72,8 @@ struct Report<'a> {
     /// Version, seed, inputs.
     #[serde(flatten)]
     header: Header,
+    /// Conventions that count as no difference.
+    accepted: &'a [String],
     /// The answer.
     #[serde(flatten)]
     checked: &'a Checked,
@@ -83,7 +91,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         &arguments.scene,
         &arguments.out,
     ) {
-        (Some(results), ..) => check(results, &arguments.accept, &arguments.common),
+        (Some(results), ..) => check(results, arguments, &arguments.common),
         (None, Some(from), Some(scene), Some(out)) => write(arguments, from, scene, out),
         _ => bail!("name a result, --scene and --out, or --check"),
     }
@@ -102,10 +110,15 @@ fn write(arguments: &Arguments, from: &Path, scene_file: &Path, out: &Path) -> a
     )?;
     common.log(|| "computing the expected numbers".to_owned());
     let header = Header::new(1, source.inputs(scene_file))?;
+    let calibrated = source.calibrated()?;
+    let correlation = source.correlation(calibrated.len())?;
     let passport = Passport {
         version: header.version.clone(),
-        calibrated: source.calibrated()?,
-        correlation: source.correlation(),
+        covariance: correlation
+            .as_ref()
+            .map(|rows| ::passport::covariance(&calibrated, rows)),
+        calibrated,
+        correlation,
         validity: source.validity(&read.scene, &model)?,
         expected: ::passport::expected(&model)?,
         model,
@@ -196,9 +209,28 @@ impl Source {
         Ok(file.parameter.into_iter().map(row).collect())
     }
 
-    fn correlation(&self) -> Option<Vec<Vec<f64>>> {
-        let (_, result) = self.result.as_ref()?;
-        serde_json::from_value(result.get("correlation")?.clone()).ok()
+    /// The correlation of so many values, if the result has one.
+    fn correlation(&self, n: usize) -> anyhow::Result<Option<Vec<Vec<f64>>>> {
+        let found = self
+            .result
+            .as_ref()
+            .and_then(|(file, result)| Some((file, result.get("correlation")?)));
+        let Some((file, found)) = found else {
+            return Ok(None);
+        };
+        let rows: Vec<Vec<f64>> = serde_json::from_value(found.clone()).with_context(|| {
+            format!(
+                "{}: correlation is not a matrix; calibrate again",
+                file.display()
+            )
+        })?;
+        ensure!(
+            rows.len() == n && rows.iter().all(|row| row.len() == n),
+            "{}: correlation has not {n} rows and columns, as many as {} has parameters: both must be of one calibration",
+            file.display(),
+            self.parameters.display(),
+        );
+        Ok(Some(rows))
     }
 
     fn validity(&self, scene: &Scene, model: &Model) -> anyhow::Result<Validity> {
@@ -218,9 +250,24 @@ impl Source {
             verdict: file.verdict,
             measurements: self.measurements(),
             apparatus: kind.to_owned(),
+            grains: grains(scene, &model.grain)?,
+            regimes: self.regimes(),
             speed_m_s: if turning > 0.0 { turning } else { falling },
             stress_pa: SOLID_FRACTION * model.density_kg_m3 * model.gravity_m_s2 * depth,
         })
+    }
+
+    /// Regimes of the runs at the estimate.
+    fn regimes(&self) -> Vec<String> {
+        let rows = self
+            .result
+            .iter()
+            .filter_map(|(_, result)| result.get("fit")?.as_array());
+        let names = rows
+            .flatten()
+            .filter_map(|row| row.get("regimes")?.as_object())
+            .flat_map(|regimes| regimes.keys().cloned());
+        names.collect::<BTreeSet<String>>().into_iter().collect()
     }
 
     /// The measurements of fit and check, a line each.
@@ -270,8 +317,30 @@ impl Source {
     }
 }
 
+/// The grains of a material.
+fn grains(scene: &Scene, material: &str) -> anyhow::Result<Vec<Grain>> {
+    let library = FillingLibrary::default();
+    let of_material = scene.seed.iter().filter(|seed| seed.material == material);
+    let grain = |seed: &scene::SeedSettings| {
+        let body = library.body(scene, seed)?;
+        Ok(Grain {
+            name: seed.name.clone(),
+            diameter_m: 2.0 * body.volume_radius(),
+            spheres: body.clump.spheres().len(),
+        })
+    };
+    of_material.map(grain).collect()
+}
+
 /// Checks the results of another code.
-fn check(results: &Path, accepted: &[String], common: &Common) -> anyhow::Result<u8> {
+fn check(results: &Path, arguments: &Arguments, common: &Common) -> anyhow::Result<u8> {
+    let code = arguments.code.as_deref();
+    let code = code.map(::passport::known_of).transpose()?;
+    let known = code.map_or(&[][..], |code| code.known);
+    let known_names = known.iter().map(|known| known.convention.to_owned());
+    let accepted: Vec<String> = known_names
+        .chain(arguments.accept.iter().cloned())
+        .collect();
     let folder = results.parent().unwrap_or(Path::new("."));
     let file = folder.join(PASSPORT);
     let text = input::file::read_text(&file)
@@ -280,7 +349,7 @@ fn check(results: &Path, accepted: &[String], common: &Common) -> anyhow::Result
     let text = input::file::read_text(results)
         .with_context(|| format!("cannot read {}", results.display()))?;
     let got = ::passport::read_results(&text, &results.display().to_string(), &passport.expected)?;
-    let checked = ::passport::check(&passport.model, &passport.expected, &got, accepted)?;
+    let checked = ::passport::check(&passport.model, &passport.expected, &got, &accepted)?;
     for row in &checked.rows {
         common.print(format!(
             "{:<14} {:<22} expected {:>13.6e} +- {:.1e}  got {:>13.6e} {:<5}  {:>8.1} bands",
@@ -292,6 +361,12 @@ fn check(results: &Path, accepted: &[String], common: &Common) -> anyhow::Result
             row.expected.unit,
             row.z
         ))?;
+    }
+    if let Some(code) = code {
+        common.print(format!("{} is known to differ in:", code.law))?;
+    }
+    for known in known {
+        common.print(format!("- {} ({})", known.convention, known.source))?;
     }
     common.print(verdict(&checked))?;
     for difference in &checked.differences {
@@ -308,6 +383,7 @@ fn check(results: &Path, accepted: &[String], common: &Common) -> anyhow::Result
     }
     common.emit_json(&Report {
         header: Header::new(1, [results.to_owned(), file])?,
+        accepted: &accepted,
         checked: &checked,
     })?;
     Ok(if checked.agrees { DONE } else { NOT_MET })
