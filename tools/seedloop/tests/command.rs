@@ -26,6 +26,8 @@ mod help;
 mod interrupted;
 #[path = "command/own_program.rs"]
 mod own_program;
+#[path = "command/passport.rs"]
+mod passport;
 #[path = "command/residual.rs"]
 mod residual;
 #[path = "command/simulation.rs"]
