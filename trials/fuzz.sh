@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Gives a reader of files inputs that a coverage-guided fuzzer makes: trials/fuzz.sh READER [SECONDS]
-# READER: mesh, obj, spheres, picture, scene, study, table, workbook, problem, positions, record, state or quantity.
+# READER: mesh, obj, spheres, picture, scene, study, table, workbook, problem, positions, passport, record, state or quantity.
 # Finds go to out/fuzz/READER.
 set -euo pipefail
 cd "$(dirname "$0")/.."

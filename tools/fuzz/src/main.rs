@@ -14,6 +14,12 @@ static READER: LazyLock<String> = LazyLock::new(|| {
     std::env::var("READER").expect("READER is one of those in tools/fuzz/src/main.rs")
 });
 
+/// The rows that a table of results must have.
+static ROWS: LazyLock<Vec<passport::Expected>> = LazyLock::new(|| {
+    let text = include_str!("../../../fixtures/passport/stored/rolling.json");
+    passport::read_passport(text).expect("the stored passport can be read").expected
+});
+
 fuzz_target!(|bytes: &[u8]| match READER.as_str() {
     "mesh" => {
         let _ = trimesh::parse_mesh(bytes.to_vec(), trimesh::LengthUnit::Millimetre, "mesh.stl");
@@ -58,6 +64,11 @@ fuzz_target!(|bytes: &[u8]| match READER.as_str() {
     "record" => {
         let _ = campaign::run_store::unseal(bytes);
         let _ = serde_json::from_slice::<campaign::run_store::Record>(bytes);
+    }
+    "passport" => {
+        let text = String::from_utf8_lossy(bytes);
+        let _ = passport::read_results(&text, "RESULTS.csv", &ROWS);
+        let _ = passport::read_passport(&text);
     }
     "state" => {
         let _ = campaign::run_store::unseal_text("key", bytes);
