@@ -55,6 +55,7 @@ mod run;
 mod seed;
 mod series;
 mod settings;
+mod sizes;
 mod start_slope;
 mod steady;
 mod surroundings;
@@ -92,5 +93,6 @@ pub use series::SeriesPoint;
 pub use settings::{
     CameraSettings, ContactSettings, LiquidSettings, ModelSettings, Protocol, RollingLaw, Scene,
 };
+pub use sizes::SizeSettings;
 pub use steady::{Doubt, SteadyRule, SteadyState, error_of_mean, swing_time};
 pub use surroundings::SurroundingsSettings;

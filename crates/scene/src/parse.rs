@@ -192,6 +192,7 @@ impl Scene {
     ) -> Result<Self, Error> {
         folder.clone_into(&mut self.folder);
         file.clone_into(&mut self.file);
+        self.expand_sizes()?;
         self.complete_seeds(known)?;
         Ok(self)
     }

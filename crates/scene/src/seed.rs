@@ -1,6 +1,6 @@
 //! One kind of seed: its shape, its mass, and how many there are.
 
-use crate::{Error, Scene};
+use crate::{Error, Scene, SizeSettings};
 use geometry::clump::files::read_spheres;
 use geometry::clump::{DENSITIES, Sphere};
 use input::quantity::{Density, Length, Mass, significant};
@@ -24,7 +24,7 @@ const SIZES: std::ops::RangeInclusive<f64> = 1e-6..=1.0;
 /// Largest volume of the seeds over that of the apparatus, above which no fill level is possible.
 const FULLEST: f64 = 1.0;
 
-/// One kind of seed: exactly one of `mesh`, `sphere`, `ellipsoid` and `spheres`, one of `mass` and `density`, one of
+/// One kind of seed: exactly one of `mesh`, `sphere`, `ellipsoid`, `spheres` and `sizes`, one of `mass` and `density`, one of
 /// `count`, `total_mass` and `fill_level`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -51,6 +51,9 @@ pub struct SeedSettings {
     /// Unit of that table; mm if omitted, if the seed is then 0.1 to 100 mm long.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spheres_unit: Option<trimesh::LengthUnit>,
+    /// Diameters of spheres of several sizes; when the scene is read, each class becomes a kind of its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sizes: Option<SizeSettings>,
     /// Mass of one seed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<Mass>,
