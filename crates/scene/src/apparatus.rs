@@ -7,16 +7,19 @@ mod bulk_density;
 mod compression;
 mod device;
 mod direct_shear;
+mod draw_down;
 mod drop;
 mod drum;
 mod heap;
 mod hopper;
+mod ledge;
 mod metering;
 mod penetration;
 mod poured_heap;
 mod read;
 mod shapes;
 mod slider;
+mod storeys;
 mod tilt;
 
 pub use box_collapse::BoxCollapse;
@@ -24,10 +27,12 @@ pub use bulk_density::BulkDensity;
 pub use compression::Compression;
 pub(crate) use device::Device;
 pub use direct_shear::DirectShear;
+pub use draw_down::DrawDown;
 pub use drop::Drop;
 pub use drum::{Drum, Lifters, OBSERVABLES_OF_A_BED, OBSERVABLES_OF_PICTURES, Ripple};
 pub use heap::Heap;
 pub use hopper::Hopper;
+pub use ledge::Ledge;
 pub use metering::Metering;
 pub use penetration::Penetration;
 pub use poured_heap::PouredHeap;
@@ -53,6 +58,13 @@ macro_rules! apparatus {
         const KINDS: &[&str] = &[$($name),*];
 
         impl Apparatus {
+            /// Name of its kind in a file.
+            pub fn kind(&self) -> &'static str {
+                match self {
+                    $(Self::$kind(_) => $name,)*
+                }
+            }
+
             /// What the kinds have in common.
             pub(crate) fn device(&self) -> &dyn Device {
                 match self {
@@ -89,6 +101,10 @@ apparatus! {
     BoxCollapse = "box-collapse",
     /// Hopper that is emptied through its opening.
     Hopper = "hopper",
+    /// Box whose seeds fall through a slot in its floor on a second one.
+    DrawDown = "draw-down",
+    /// Plate over whose ends a bed is discharged.
+    Ledge = "ledge",
     /// Cup that is filled, struck off and tapped.
     BulkDensity = "bulk-density",
     /// Heap on a floor or a disc, poured from above.
@@ -145,6 +161,11 @@ impl Apparatus {
     /// Whether a run goes through phases until the seeds rest, instead of turning until the bed is steady.
     pub fn has_phases(&self) -> bool {
         self.device().has_phases()
+    }
+
+    /// Whether the seeds end as a heap on a floor whose two flanks a photo from the side shows.
+    pub fn shows_a_heap(&self) -> bool {
+        self.device().leaves_a_heap() && !matches!(self, Self::BoxCollapse(_))
     }
 
     /// Whether it is a bench test: single seeds on a plate, with repeats instead of frames.

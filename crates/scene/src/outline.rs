@@ -5,7 +5,7 @@ use geometry::clump::Sphere;
 use nalgebra::Vector3;
 
 /// Shares of the height between which a whole flank is read: the foot is ragged and the top is round.
-const FLANK: [f64; 2] = [0.2, 0.8];
+pub(crate) const FLANK: [f64; 2] = [0.2, 0.8];
 
 /// The lower part of a flank.
 const TOE: [f64; 2] = [0.1, 0.5];

@@ -153,17 +153,23 @@ pub(crate) struct Sample {
     pub(crate) mass: f64,
     /// Height of its centre of mass, m; 0 of an empty bed.
     pub(crate) centre: f64,
+    /// Mass of the seeds whose centres are below y = 0, kg.
+    #[serde(default)]
+    pub(crate) below: f64,
 }
 
 impl Sample {
     /// Of a world in a phase that began at a time, s.
     fn of(world: &World, phase: usize, since: f64) -> Self {
-        let (mut mass, mut moment) = (0.0, 0.0);
+        let (mut mass, mut moment, mut below) = (0.0, 0.0, 0.0);
         let bodies = world.bodies();
         for (position, kind) in bodies.position.iter().zip(&bodies.template) {
             let own = world.templates()[*kind].mass();
             mass += own;
             moment += own * position.y;
+            if position.y < 0.0 {
+                below += own;
+            }
         }
         let on_meshes = world.mesh_loads().map(|(force, _)| force);
         Self {
@@ -173,6 +179,7 @@ impl Sample {
             displacements: world.mesh_displacements().collect(),
             mass,
             centre: if mass > 0.0 { moment / mass } else { 0.0 },
+            below,
         }
     }
 }
@@ -274,6 +281,8 @@ pub(crate) struct PhasesDone {
     /// The seeds at the end.
     pub(crate) frame: Frame,
     pub(crate) observables: Vec<ObservableValues>,
+    /// Times (s) and masses (kg) of the seeds that were taken out in the last phase, in order of time.
+    pub(crate) discharge: Vec<[f64; 2]>,
     /// Why the last phase does not count as ended.
     pub(crate) doubt: Option<Doubt>,
     /// Times by the clock of filling, of the phases and of reading, s.
@@ -322,10 +331,13 @@ pub(crate) fn run_phases(
             .collect(),
     };
     let observables = device.observe(&seen)?;
+    let last = plan.phases.last().map_or("", |phase| phase.name.as_str());
+    let discharge = seen.passages(last);
     Ok(PhasesDone {
         built,
         frame,
         observables,
+        discharge,
         doubt,
         laps_s: [filling, moving, watch.lap()],
     })

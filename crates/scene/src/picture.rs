@@ -118,7 +118,7 @@ fn in_section(scene: &Scene, bodies: &[Arc<SeedBody>], frame: &Frame) -> Result<
             walls.extend([[a, b, c], [a, c, d]]);
         }
     }
-    let [low, high] = device.room();
+    let [low, high] = device.view();
     let spheres = frame.spheres(bodies).map(|(body, s)| RenderSphere {
         centre: s.centre.into(),
         radius: s.radius,

@@ -113,6 +113,8 @@ pub struct RunResult {
     pub filling_angles: Vec<f64>,
     /// Observables beside the angle.
     pub observables: Vec<ObservableValues>,
+    /// Seeds that were taken out through an outlet, in order of time: time since the start of its phase (s) and mass (kg) of each.
+    pub discharge: Vec<[f64; 2]>,
     /// How the bed moves; none in a bench test, which has no bed.
     pub regime: Option<Regime>,
     /// The form of its motion in a turning drum; none elsewhere.
@@ -219,6 +221,7 @@ pub fn run_on(
     }
     Ok(RunResult {
         observables,
+        discharge: Vec::new(),
         series,
         ending: Ending::Turned(state),
         frames,
@@ -335,6 +338,7 @@ fn in_phases(
         readings: Vec::new(),
         filling_angles: Vec::new(),
         observables: result.observables,
+        discharge: result.discharge,
         regime: Some(Regime::Resting),
         motion: None,
         settling_time_step: world.settings().time_step,

@@ -35,6 +35,11 @@ pub(crate) trait Device {
         [Vector3::zeros(); 2]
     }
 
+    /// Region that a picture of the inside shows, m.
+    fn view(&self) -> [Vector3<f64>; 2] {
+        self.room()
+    }
+
     /// Whether a ball (centre and radius, m) is clear of all walls; by default, within the region.
     fn has_room(&self, centre: &Vector3<f64>, radius: f64) -> bool {
         let [low, high] = self.room();

@@ -3,10 +3,10 @@
 use super::device::Device;
 use super::heap::check_size;
 use super::shapes::{at_rest, between_circles, level, within_prism};
+use super::storeys::check_passage;
 use super::{NamedMesh, NamedWall, cover};
 use crate::check::bad;
 use crate::phases::{End, Outlet, Phase, Plan, Sample, Seen};
-use crate::placement::Capsule;
 use crate::{Error, ObservableValues, Scene, SeedBody};
 use dem_solver::Shape;
 use input::quantity::{Angle, Length};
@@ -103,20 +103,7 @@ impl Device for Hopper {
     }
 
     fn check_seeds(&self, _: &Scene, bodies: &[Arc<SeedBody>]) -> Result<(), Error> {
-        let widths = bodies.iter().map(|b| Capsule::around(&b.clump).width());
-        let widest = widths.fold(0.0, f64::max);
-        if self.outlet.si() > widest {
-            return Ok(());
-        }
-        let requirement = format!(
-            "wider than the widest seed, {:.3} mm: no such seed passes it",
-            1e3 * widest
-        );
-        Err(bad(
-            "apparatus.outlet",
-            self.outlet.to_string(),
-            &requirement,
-        ))
+        check_passage(self.outlet, bodies)
     }
 
     fn observables(&self) -> &'static [&'static str] {
@@ -278,7 +265,7 @@ impl Device for Hopper {
 }
 
 /// Mass flow (kg/s) of passages (time in s, mass in kg) in order of time, between two fractions of the whole mass; `None` of too few.
-fn steady_flow(passages: &[[f64; 2]]) -> Option<f64> {
+pub(super) fn steady_flow(passages: &[[f64; 2]]) -> Option<f64> {
     let all: f64 = passages.iter().map(|p| p[1]).sum();
     let mut sum = 0.0;
     let mut ends = [None; 2];

@@ -40,6 +40,9 @@ pub struct RunDetails {
     pub frames: FrameDetails,
     /// The bed over time.
     pub series: SeriesDetails,
+    /// What an outlet took out over time; empty if nothing.
+    #[serde(default, skip_serializing_if = "DischargeDetails::is_empty")]
+    pub discharge: DischargeDetails,
     /// Steps and times.
     pub timing: TimingDetails,
     /// The last frame, as PNG in base 64; none of a bench test, which has no bed.
@@ -82,6 +85,36 @@ pub struct SeriesDetails {
     pub time_s: Vec<f64>,
     /// Direction of the centre of mass, deg.
     pub centre_of_mass_deg: Vec<f64>,
+}
+
+/// What an outlet took out in the last phase; both lists have the same length.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DischargeDetails {
+    /// Times since the start of the phase, s.
+    pub time_s: Vec<f64>,
+    /// Mass that had left by then, g.
+    pub mass_g: Vec<f64>,
+}
+
+impl DischargeDetails {
+    /// The curve of seeds in order of time, each a time (s) and a mass (kg).
+    fn of(seeds: &[[f64; 2]]) -> Self {
+        let mut sum = 0.0;
+        let mass = seeds.iter().map(|[_, mass]| {
+            sum += 1e3 * mass;
+            sum
+        });
+        Self {
+            mass_g: mass.collect(),
+            time_s: seeds.iter().map(|[time, _]| *time).collect(),
+        }
+    }
+
+    /// Whether nothing was taken out.
+    pub fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
 }
 
 /// Cost of a run.
@@ -184,6 +217,7 @@ impl RunDetails {
                 time_s: result.series.iter().map(|p| p.time_s).collect(),
                 centre_of_mass_deg: result.series.iter().map(|p| p.centre_of_mass_deg).collect(),
             },
+            discharge: DischargeDetails::of(&result.discharge),
             timing: TimingDetails::new(result, effort),
             last_frame_png_base64: picture(scene, result),
             last_bodies: result

@@ -8,7 +8,9 @@ use command_line::{Header, significant};
 use scene::{Doubt, Override, Scene};
 use serde::Serialize;
 use serde_json::Value;
-use simulators::scene_simulator::{FrameDetails, RunDetails, TimingDetails, unread_frames};
+use simulators::scene_simulator::{
+    DischargeDetails, FrameDetails, RunDetails, TimingDetails, unread_frames,
+};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -50,6 +52,9 @@ pub(super) struct Report {
     froude_number: Option<f64>,
     /// Readings of the single frames.
     frames: FrameDetails,
+    /// What an outlet took out over time; absent if nothing.
+    #[serde(skip_serializing_if = "DischargeDetails::is_empty")]
+    discharge: DischargeDetails,
     /// Steps and times.
     timing: TimingDetails,
     /// Every setting of the scene as it was run, by its dotted path; quantities with their unit.
@@ -97,6 +102,7 @@ impl Report {
             motion: details.motion,
             froude_number: details.froude_number,
             frames: details.frames,
+            discharge: details.discharge,
             timing: details.timing,
             parameters: settings_of(scene)?,
             changed: changed(changes),
