@@ -19,7 +19,7 @@ mod remarks;
 pub mod vtk;
 mod vtk_points;
 
-pub use drum_deck::FINER;
+pub use drum_deck::{FINER, require_drum};
 pub use moment::{BedSphere, Moment};
 pub use positions::read_positions;
 pub use remarks::add_warnings;

@@ -7,7 +7,7 @@ use command_line::{Common, DONE, Header, try_folder, write_new};
 use scene::{FillingLibrary, starting_frame};
 use serde::Serialize;
 use simulators::exchange::vtk::File;
-use simulators::exchange::{add_warnings, csv, edem, lammps, liggghts, vtk};
+use simulators::exchange::{add_warnings, csv, edem, lammps, liggghts, require_drum, vtk};
 use simulators::scene_simulator::ReadScene;
 use std::path::PathBuf;
 
@@ -89,10 +89,13 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let library = FillingLibrary::default();
     let mut files = match arguments.format {
         Format::Lammps => {
+            // Before places are sought, which a poured bed does not have.
+            require_drum(&scene, "LAMMPS")?;
             let (frame, bodies, time_step) = starting_frame(&scene, &library, arguments.seed)?;
             lammps::deck(&scene, &bodies, &frame, time_step)?
         }
         Format::Liggghts => {
+            require_drum(&scene, "LIGGGHTS")?;
             let (_, bodies, time_step) = starting_frame(&scene, &library, arguments.seed)?;
             liggghts::deck(&scene, &bodies, time_step, arguments.seed)?
         }

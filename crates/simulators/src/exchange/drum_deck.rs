@@ -99,6 +99,23 @@ pub(crate) fn lever_share(body: &SeedBody) -> f64 {
     levers.sum::<f64>() / outer.len() as f64
 }
 
+/// The drum of a scene; decks have no other apparatus.
+///
+/// # Errors
+///
+/// [`Error::NotThere`] with the name of another apparatus.
+pub fn require_drum<'a>(scene: &'a Scene, tool: &'static str) -> Result<&'a Drum, Error> {
+    let Apparatus::Drum(drum) = &scene.apparatus else {
+        let kind = scene.apparatus.kind();
+        return Err(Error::NotThere {
+            what: format!("the apparatus '{kind}' with its walls and phases"),
+            tool,
+            way_out: "export a scene with a drum, or its settings as a table for EDEM",
+        });
+    };
+    Ok(drum)
+}
+
 /// The drum, if the tool can run the scene.
 ///
 /// # Errors
@@ -112,9 +129,7 @@ pub(crate) fn supported<'a>(scene: &'a Scene, tool: &'static str) -> Result<&'a 
             way_out,
         })
     };
-    let Apparatus::Drum(drum) = &scene.apparatus else {
-        return missing("this apparatus", "export a scene with a drum");
-    };
+    let drum = require_drum(scene, tool)?;
     if drum.lifters.is_some() || !scene.wall.is_empty() {
         return missing(
             "a wall of triangles",

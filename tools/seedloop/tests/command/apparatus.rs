@@ -364,6 +364,20 @@ fn what_a_deck_cannot_carry_is_refused() {
     }
 }
 
+/// The apparatus is named before anything else is wrong with its deck, as the places of seeds that are poured.
+#[test]
+fn decks_of_benches_are_refused_by_the_name_of_the_apparatus() {
+    let folder = tempfile::tempdir().unwrap();
+    for kind in ["poured-heap", "hopper", "compression", "ledge"] {
+        let scene = dev_support::fixture_files::fixture(&format!("benches/{kind}.toml"));
+        for (format, tool) in [("lammps", "LAMMPS"), ("liggghts", "LIGGGHTS")] {
+            let words = ["export", format, scene.to_str().unwrap(), "--out", "deck"];
+            let named = format!("the apparatus '{kind}'");
+            assert_error(&seedloop(folder.path(), &words), &[&named, tool, "drum"]);
+        }
+    }
+}
+
 /// A heap is drawn from the side, and its results are written beside.
 #[test]
 fn a_heap_has_a_frame() {
