@@ -6,6 +6,7 @@ use crate::confirmation::{Confirmed, confirm};
 use crate::diagnosis_stage::{self, diagnose_at};
 use crate::intervals::{Uncertainty, best_of, estimates, inputs, test};
 use crate::joint::{joint_estimate, planes, region_about, slope_runs, with_slopes};
+use crate::next_for_parameters::next_for_parameters;
 use crate::remarks::{
     all_failures, missed_but_shown, moved_inputs, other_solutions, states, unknown_inputs,
 };
@@ -18,7 +19,7 @@ use crate::verdict::verdict;
 use crate::with_effects::judged_with;
 use crate::{
     Calibration, CalibrationProblem, Comparison, DiagnosisStage, Error, Estimate, InputEstimate,
-    JointEstimate, LoopSettings, PlannedStage, Role, planned,
+    JointEstimate, LoopSettings, NextForParameters, PlannedStage, Role, planned,
 };
 use campaign::{Campaign, Simulator};
 use std::collections::{BTreeMap, BTreeSet};
@@ -34,6 +35,7 @@ const SURFACES: usize = 2;
 const CONFIRMATION: usize = 3;
 const CHECK: usize = 4;
 const DIAGNOSIS: usize = 5;
+const NEXT: usize = 6;
 
 /// Calibrates the parameters of a problem and says whether the result holds.
 ///
@@ -83,7 +85,6 @@ pub fn calibrate(
     let surfaces = all_surfaces(&confirmed, &checked.planes);
     let row =
         |role, runs, covariance, at: &[f64]| compare(asked, role, runs, &surfaces, covariance, at);
-    let start = problem.start();
     let covariance = Some(&estimate.uncertainty.covariance);
     let fit = row(Role::Fit, &confirmed.runs, None, at);
     let checks = row(Role::Check, &checked.at_estimate, covariance, at);
@@ -103,9 +104,10 @@ pub fn calibrate(
     let judged = verdict(problem, &estimate, &fit, &checks, &confirmed);
     let (with_effects, met, verdict) = judged_with(problem, &diagnosis, judged);
     Ok(Calibration {
+        next_for_parameters: next_left(&mut timer, &runner, &confirmed, (&estimate, spent))?,
         id: problem.id.clone(),
         settings: settings.clone(),
-        before: of_all_roles(&|role| row(role, &before, None, &start)),
+        before: of_all_roles(&|role| row(role, &before, None, &problem.start())),
         show,
         surfaces: search.model_surfaces(&confirmed.found)?,
         boxes: search.boxes,
@@ -176,6 +178,19 @@ fn diagnosis_left(
         Ok(problem) => diagnose_at(campaign, simulator, &problem, settings, at),
         Err(reason) => Ok(DiagnosisStage::LeftOut { reason }),
     }
+}
+
+/// What to measure next, in a stage of its own if the problem names candidates and a combination of parameters is open.
+fn next_left(
+    timer: &mut Timer<'_>,
+    runner: &Runner<'_>,
+    confirmed: &Confirmed,
+    (estimate, spent): (&Estimated, usize),
+) -> Result<Option<NextForParameters>, Error> {
+    if timer.has(NEXT) {
+        timer.begin(NEXT);
+    }
+    next_for_parameters(runner, confirmed, estimate, spent)
 }
 
 /// Runs that the [stages](crate::planned) beside the search and the diagnosis need; those of the search are known only if nothing is screened.

@@ -68,6 +68,7 @@ pub(crate) use covariance::{Covariance, Whitener};
 pub use diagnose::{Options, diagnose};
 pub use error::Error;
 pub use kept_conditions::{KeptCondition, ln_over_unknown};
+pub(crate) use next_measurement::SEPARATION_TO_REACH;
 pub use next_measurement::{NextMeasurement, PlannedExperiment, Purpose, QuestionedEffect};
 pub use outcome::{
     Amplitude, CandidateResult, CheckedModel, ConditionShare, DeclaredResult, Diagnosis, Evidence,

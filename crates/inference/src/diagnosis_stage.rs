@@ -242,6 +242,7 @@ fn candidate(problem: &CalibrationProblem, candidate: &Candidate) -> CandidateMe
         model,
         standard_errors,
         minutes,
+        ..
     } = candidate;
     let in_plan = |name: &String| name_at(problem, &model.scene, name);
     let names = standard_errors.keys();

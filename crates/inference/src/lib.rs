@@ -84,6 +84,7 @@ mod joint;
 mod joint_fit;
 mod lack_of_fit;
 mod measurement;
+mod next_for_parameters;
 mod noisy_slopes;
 mod planned;
 mod power;
@@ -107,6 +108,7 @@ pub use calibrate::{calibrate, within_budget};
 pub use diagnosis_stage::{diagnose_at, most_runs_of_candidates, most_runs_of_diagnosis};
 pub use error::Error;
 pub use measurement::{Measurement, Role};
+pub use next_for_parameters::{NextForParameters, RankedMeasurement};
 pub use planned::{PlannedStage, RunList, planned, planned_diagnosis};
 pub use power::{PowerTable, power_of_design};
 pub use problem::{

@@ -3,6 +3,7 @@
 use crate::designs::design_runs;
 use crate::diagnosis_stage::{lists_of_diagnosis, within_budget};
 use crate::joint::{slope_runs, with_slopes};
+use crate::next_for_parameters::planned_next;
 use crate::region::Region;
 use crate::samples::{Asked, Wanted, request, wanted};
 use crate::screening::{screened, screening_runs};
@@ -115,6 +116,7 @@ pub fn planned(
     stages.push(check);
     let spent = stages.iter().map(PlannedStage::runs).sum();
     stages.push(planned_diagnosis(problem, settings, spent));
+    stages.extend(planned_next(asked)?);
     Ok(stages)
 }
 

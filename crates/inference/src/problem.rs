@@ -76,7 +76,7 @@ pub struct Correlation {
     pub value: f64,
 }
 
-/// A measurement that could be made next, to answer what a diagnosis leaves open.
+/// A measurement that could be made next, to answer what a fit or a diagnosis leaves open.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
     /// The experiment; none of [`CalibrationProblem::models`].
@@ -85,6 +85,9 @@ pub struct Candidate {
     pub standard_errors: BTreeMap<String, f64>,
     /// Work in the laboratory, min.
     pub minutes: f64,
+    /// Whether nobody named it: it follows from the conditions that are measured, and is run for a diagnosis alone.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_suggested: bool,
 }
 
 /// Everything that a calibration needs besides a simulator.

@@ -1,6 +1,6 @@
 //! What a calibration gives.
 
-use crate::{LoopSettings, ResidualStudy, Role};
+use crate::{LoopSettings, NextForParameters, ResidualStudy, Role};
 use response_surface::{Fit, Screening};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -378,6 +378,9 @@ pub struct Calibration {
     pub joint: Option<JointEstimate>,
     /// Diagnosis of the residual.
     pub diagnosis: DiagnosisStage,
+    /// What to measure next; `None` if the measurements fix all parameters, or the problem names no candidates.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub next_for_parameters: Option<NextForParameters>,
     /// Measurements and parameters with the missing effects added; `None` if nothing is named.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub with_effects: Option<WithEffects>,

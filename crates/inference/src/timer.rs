@@ -49,6 +49,11 @@ impl<'a> Timer<'a> {
         self.lengths[place] = [least, least + length(&stage.further)];
     }
 
+    /// Whether the plan has a stage at a place.
+    pub(crate) fn has(&self, place: usize) -> bool {
+        place < self.planned.len()
+    }
+
     /// Begins a stage; the one before is over.
     pub(crate) fn begin(&mut self, place: usize) {
         let name = &self.planned[place].stage;

@@ -7,6 +7,7 @@ mod whole_loop {
     mod estimates;
     mod inputs;
     mod kept;
+    mod open_frictions;
     mod reach;
     mod toy;
     mod troubles;

@@ -343,6 +343,7 @@ fn calibration(problem: &CalibrationProblem) -> Calibration {
         diagnosis: DiagnosisStage::LeftOut {
             reason: "no effect was asked for".into(),
         },
+        next_for_parameters: None,
         with_effects: None,
         remarks: vec!["Two points slide.".into()],
         met: false,

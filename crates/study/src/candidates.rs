@@ -231,16 +231,23 @@ pub(crate) fn of_scenes(
         }
         let (k, is_new) = models.number_of(offer.scene, &offer.condition, setup);
         if is_new {
-            candidates.push((k, standard_errors, offer.minutes()));
+            candidates.push(Candidate {
+                model: models.models[k].clone(),
+                standard_errors,
+                minutes: offer.minutes(),
+                is_suggested: offer.entry.is_none(),
+            });
         }
     }
     models.bind(&scenes.file.parameter);
-    let candidate = |(k, standard_errors, minutes): (usize, _, _)| Candidate {
-        model: models.models[k].clone(),
-        standard_errors,
-        minutes,
-    };
-    (candidates.into_iter().map(candidate).collect(), models)
+    for candidate in &mut candidates {
+        let bound = models
+            .models
+            .iter()
+            .find(|m| m.name == candidate.model.name);
+        candidate.model.parameters = bound.map_or_else(Vec::new, |m| m.parameters.clone());
+    }
+    (candidates, models)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use crate::price::mean_core_seconds;
 use crate::{Error, Study};
 use campaign::run_store::Store;
-use inference::DiagnosisStage;
+use inference::{DiagnosisStage, NextForParameters};
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -16,7 +16,7 @@ pub struct NextRow {
     pub criterion: f64,
     /// Work in the laboratory, min.
     pub minutes: f64,
-    /// Runs that a diagnosis with it does there at least.
+    /// Runs that a diagnosis with it does there at least, or that a calibration did.
     pub runs: usize,
     /// Time of one core for these, s; `None` if the runs there have no time.
     pub core_s: Option<f64>,
@@ -49,6 +49,27 @@ pub(crate) fn table(
         });
     }
     Ok(rows)
+}
+
+/// The table of a calibration that leaves parameters open, in the order of its ranking.
+pub(crate) fn table_for_parameters(
+    study: &Study,
+    next: Option<&NextForParameters>,
+    store: &Store,
+) -> Result<Vec<NextRow>, Error> {
+    let ranked = next.into_iter().flat_map(|next| &next.ranked);
+    let row = |ranked: &inference::RankedMeasurement| {
+        let each = mean_core_seconds(store, &ranked.keys)?;
+        Ok(NextRow {
+            name: ranked.name.clone(),
+            criterion: ranked.separation,
+            minutes: ranked.minutes,
+            runs: ranked.runs,
+            core_s: each.map(|s| s * ranked.runs as f64),
+            block: block(study, &ranked.name),
+        })
+    };
+    ranked.map(row).collect()
 }
 
 /// The `[[measured]]` table of a candidate, with dots for what is not known yet.

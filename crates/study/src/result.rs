@@ -29,6 +29,9 @@ pub struct StudyResult {
     pub calibration: Calibration,
     /// The records of the runs behind its measurements and its surfaces, by key; no part of the JSON.
     pub records: BTreeMap<String, Record>,
+    /// What to measure next if parameters are open, the most helpful for its minutes first; no part of the JSON, which has it in the
+    /// calibration.
+    pub next: Vec<NextRow>,
     /// Published values beside it.
     pub compare: Vec<ComparedValue>,
     /// Entries that the file omits, with the default used.

@@ -150,6 +150,7 @@ pub fn run_study(
         defaults: study.defaults.clone(),
         not_applicable: study.not_applicable.clone(),
         records,
+        next: next::table_for_parameters(study, calibration.next_for_parameters.as_ref(), &store)?,
         calibration,
         spent: spending.end(settings.threads)?,
     })

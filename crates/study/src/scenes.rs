@@ -188,7 +188,7 @@ impl Setup {
     /// What photos of it show.
     pub(crate) fn shown<'o>(&self, observables: &'o [&'o str]) -> Shown<'o> {
         let scene = self.scene();
-        let heap = scene.map(|scene| matches!(scene.apparatus, Apparatus::Heap(_)));
+        let heap = scene.map(|scene| scene.apparatus.shows_a_heap());
         Shown {
             heap: heap.unwrap_or_else(|| observables.contains(&"angle_of_repose_deg")),
             radius: scene.map(|scene| scene.apparatus.radius()),

@@ -220,11 +220,14 @@ impl Asked {
         let parameters = parameters.collect();
         let settings = settings(file, &mut defaults);
         let search_for = file.effects.search.as_ref();
-        let (candidates, offered) = if complete && search_for.is_none_or(|s| !s.is_empty()) {
-            candidates::of_scenes(scenes, known, problems)
-        } else {
-            (Vec::new(), Models::default())
-        };
+        // Nobody reads a suggestion that no diagnosis follows.
+        let is_named = file.candidate.as_ref().is_some_and(|list| !list.is_empty());
+        let (candidates, offered) =
+            if complete && (is_named || search_for.is_none_or(|s| !s.is_empty())) {
+                candidates::of_scenes(scenes, known, problems)
+            } else {
+                (Vec::new(), Models::default())
+            };
         let searched = search(known, scenes, &offered);
         defaults.tell_searched(file, &candidates, &searched.probes);
         known.models.bind(&file.parameter);

@@ -5,8 +5,8 @@ mod text;
 
 use crate::enter::{enter, require_memory, work_of};
 use crate::run_flags::{Retries, Wait, finished};
-use crate::running;
 use crate::stop::Stop;
+use crate::{next_measurement, running};
 use ::report::Tone;
 use anyhow::Context as _;
 use campaign::LineProgress;
@@ -127,7 +127,9 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
         .with_context(|| format!("cannot write the results into {}", folder.display()))?;
     write_result(&folder.join("result.json"), &result, &StudyResult::CLOCK)?;
     page.replace(|| report::write(&folder, &study, &simulator, &result))?;
-    common.print(text::result(&result, &folder, &files).trim_end())?;
+    let next = next_measurement::of_calibration(&study, &result, &folder);
+    let text = text::result(&result, &folder, &files) + &next;
+    common.print(text.trim_end())?;
     common.emit_json(&result)?;
     Ok(if result.calibration.met {
         DONE

@@ -1,6 +1,5 @@
 //! `seedloop diagnose STUDY.toml`: own simulations, verdict, the model with the effect.
 
-mod next;
 mod power;
 mod report;
 
@@ -8,8 +7,8 @@ use crate::calibrate::{progress_lines, refuse_used_folder};
 use crate::diagnose::{evidence_text, exit_code};
 use crate::enter::{enter, require_memory, work_of};
 use crate::run_flags::finished;
-use crate::running;
 use crate::stop::Stop;
+use crate::{next_measurement, running};
 use ::report::Tone;
 use anyhow::Context as _;
 use campaign::range_in_words;
@@ -140,7 +139,7 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
             write_json(&folder.join("problem.json"), &done.problem)?;
             page.replace(|| report::write(&folder, &result, done, common))?;
             common.print(found_text(&study, done).trim_end())?;
-            let next = next::text(&study, &result, &folder);
+            let next = next_measurement::of_diagnosis(&study, &result, &folder);
             if !next.is_empty() {
                 common.print(next.trim_end())?;
             }

@@ -11,6 +11,7 @@ mod enter;
 mod export;
 mod init;
 mod levels;
+mod next_measurement;
 mod optimise;
 mod passport;
 mod run;

@@ -211,7 +211,7 @@ impl Uncertainty {
     }
 
     /// Standard error of a parameter; `None` if its interval would be as wide as the limits.
-    pub(super) fn standard_error(&self, j: usize, parameter: &Parameter) -> Option<f64> {
+    pub(crate) fn standard_error(&self, j: usize, parameter: &Parameter) -> Option<f64> {
         let se = self.covariance[(j, j)].sqrt();
         let width = parameter.limits[1] - parameter.limits[0];
         let t = self.quantile(j);

@@ -23,6 +23,7 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
         .map(|c| open_in_words(c, &found.parameters))
         .collect();
     super::list(&mut page.report, "What they leave open:", &lines);
+    next_measurement(page)?;
     solutions(page)?;
     compare(page)?;
     match &found.joint {
@@ -64,6 +65,55 @@ fn correlations(page: &mut Page<'_>, caption: &str, matrix: &[Vec<f64>]) -> Resu
         table.row(std::iter::once(p.symbol.clone()).chain(numbers))?;
     }
     page.table(&table);
+    Ok(())
+}
+
+/// What to measure next; nothing if no parameter is open or no candidate is named.
+fn next_measurement(page: &mut Page<'_>) -> Result<(), Error> {
+    let found = page.input.calibration;
+    let Some(next) = &found.next_for_parameters else {
+        return Ok(());
+    };
+    page.report.paragraph(&format!(
+        "What to measure next. The separation says how many standard errors apart the two ends of what agrees with the measurements \
+         would be: now {}, and {} would do. The noise of the runs at the candidates is taken off.",
+        fixed(next.now, 1),
+        digits(next.needed)
+    ));
+    let errors = found.parameters.iter();
+    let errors = errors.map(|p| Column::number(format!("standard error of {}", p.symbol)));
+    let mut columns = vec![
+        Column::text("measurement"),
+        Column::number("separation"),
+        Column::number("minutes"),
+    ];
+    columns.extend(errors);
+    let mut table = Table::new(
+        "Candidates for the next measurement, the most helpful for its minutes first.",
+        columns,
+    )?;
+    for ranked in &next.ranked {
+        let mut row = vec![
+            ranked.name.clone(),
+            fixed(ranked.separation, 1),
+            digits(ranked.minutes),
+        ];
+        row.extend(found.parameters.iter().map(|p| {
+            let se = ranked.standard_errors.get(&p.symbol);
+            in_unit(&digits_or_dash(se.copied().flatten()), &p.unit)
+        }));
+        table.row(row)?;
+    }
+    page.table(&table);
+    let left_out = next.left_out.iter();
+    let lines: Vec<String> = left_out
+        .map(|(name, why)| format!("{name}: {why}"))
+        .collect();
+    super::list(
+        &mut page.report,
+        "Candidates that could not be run:",
+        &lines,
+    );
     Ok(())
 }
 
