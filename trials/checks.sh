@@ -6,7 +6,16 @@ cd "$(dirname "$0")/.."
 # Runs the ignored tests of a package whose names hold a word.
 ignored() { cargo test --release --locked -p "$1" "${@:3}" "$2" -- --ignored --nocapture; }
 
+# Calibrates a study of benches; it ends with 1 if it is open, which is an answer.
+calibrated() {
+    cargo build --release --locked -p seedloop
+    "${CARGO_TARGET_DIR:-target}/release/seedloop" calibrate "$1" --out "$2" --resume || [ $? = 1 ]
+}
+
 case ${1:-} in
+    frictions)
+        calibrated fixtures/benches/study.toml out/frictions
+        calibrated fixtures/benches/joint.toml out/frictions-joint ;;
     benches) ignored scene benches --test suite ;;
     camera-faults) ignored scene camera_faults --test suite ;;
     diagnosis-rates) ignored inference table_of_rates --test diagnosis ;;
@@ -19,5 +28,5 @@ case ${1:-} in
     null-campaigns) ignored inference without_a_hidden_effect --lib ;;
     passport) ignored passport convention --lib ;;
     two-rulers) ignored scene two_rulers --test suite ;;
-    *) sed -n 's/^    \([a-z-]*\)) ignored.*/\1/p' "$0" >&2; exit 2 ;;
+    *) sed -n 's/^    \([a-z-]*\)).*/\1/p' "$0" >&2; exit 2 ;;
 esac

@@ -16,6 +16,44 @@ enum Kind {
     Heap,
     /// A box whose gate is lifted
     Box,
+    /// A hopper that is emptied through its opening
+    Hopper,
+    /// A box whose seeds fall through a slot on a second floor
+    DrawDown,
+    /// A heap that is poured
+    PouredHeap,
+    /// A plate over whose ends a bed is discharged
+    Ledge,
+    /// A cup that is filled, struck off and tapped
+    BulkDensity,
+    /// A bed under a piston
+    Compression,
+    /// A shear box
+    DirectShear,
+    /// A probe pressed into a bed
+    Penetration,
+    /// Several benches with the same seeds, with the question what to measure next
+    Benches,
+}
+
+impl Kind {
+    /// The study that it starts from.
+    fn starter(self) -> Starter {
+        match self {
+            Self::Drum => Starter::Drum,
+            Self::Heap => Starter::Heap,
+            Self::Box => Starter::Box,
+            Self::Hopper => Starter::Hopper,
+            Self::DrawDown => Starter::DrawDown,
+            Self::PouredHeap => Starter::PouredHeap,
+            Self::Ledge => Starter::Ledge,
+            Self::BulkDensity => Starter::BulkDensity,
+            Self::Compression => Starter::Compression,
+            Self::DirectShear => Starter::DirectShear,
+            Self::Penetration => Starter::Penetration,
+            Self::Benches => Starter::Benches,
+        }
+    }
 }
 
 /// Writes a commented study to start from, its scene, and the job script of a cluster
@@ -50,14 +88,9 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let (folder, common) = (&arguments.out, &arguments.common);
     common.try_outputs([])?;
     try_folder(folder)?;
-    let files = match arguments.kind {
-        Kind::Drum => Starter::Drum,
-        Kind::Heap => Starter::Heap,
-        Kind::Box => Starter::Box,
-    }
-    .files();
-    for file in files {
-        let path = folder.join(file.name);
+    let files = arguments.kind.starter().files();
+    for file in &files {
+        let path = folder.join(&file.name);
         anyhow::ensure!(
             common.force || !path.exists(),
             "{} exists: say --force to overwrite it, or give another --out",
@@ -67,8 +100,8 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     let mut written = Vec::new();
-    for file in files {
-        let path = folder.join(file.name);
+    for file in &files {
+        let path = folder.join(&file.name);
         write_new(&path, file.text.as_bytes(), common.overwrite())?;
         common.print(path.display())?;
         written.push(path);

@@ -3,9 +3,25 @@
 use dev_support::fixture_files::fixture;
 use study::{Starter, Study};
 
+/// All of them.
+const STARTERS: [Starter; 12] = [
+    Starter::Drum,
+    Starter::Heap,
+    Starter::Box,
+    Starter::Hopper,
+    Starter::DrawDown,
+    Starter::PouredHeap,
+    Starter::Ledge,
+    Starter::BulkDensity,
+    Starter::Compression,
+    Starter::DirectShear,
+    Starter::Penetration,
+    Starter::Benches,
+];
+
 #[test]
 fn the_studies_to_start_from_read_as_they_are() {
-    for starter in [Starter::Drum, Starter::Heap, Starter::Box] {
+    for starter in STARTERS {
         let folder = tempfile::tempdir().unwrap();
         for file in starter.files() {
             std::fs::write(folder.path().join(file.name), file.text).unwrap();
@@ -13,7 +29,9 @@ fn the_studies_to_start_from_read_as_they_are() {
         let study = Study::read(&folder.path().join("study.toml"), None)
             .unwrap_or_else(|error| panic!("{starter:?}: {error}"));
         let fits = study.problem.measurements_of(inference::Role::Fit).len();
-        assert!(fits >= study.problem.parameters.len(), "{starter:?}");
+        // The study of benches is open on purpose: it asks what to measure next.
+        let enough = fits >= study.problem.parameters.len();
+        assert!(enough == (starter != Starter::Benches), "{starter:?}");
     }
 }
 

@@ -45,7 +45,17 @@ fn value(result: &Value, symbol: &str) -> f64 {
 
 #[test]
 fn the_studies_to_start_from_say_what_would_be_run() {
-    for kind in ["drum", "heap", "box"] {
+    let benches = [
+        "hopper",
+        "draw-down",
+        "poured-heap",
+        "ledge",
+        "bulk-density",
+        "compression",
+        "direct-shear",
+        "penetration",
+    ];
+    for kind in ["drum", "heap", "box"].into_iter().chain(benches) {
         let folder = tempdir().unwrap();
         assert_code(&seedloop(folder.path(), &["init", kind]), 0);
         let plan = calibrate(folder.path(), &["--plan"]);
@@ -64,6 +74,23 @@ fn the_studies_to_start_from_say_what_would_be_run() {
         // Somebody's own files stay as they are.
         assert_error(&seedloop(folder.path(), &["init", kind]), &["exists"]);
     }
+}
+
+/// One angle fixes no two frictions: the plan says so, and what the benches that are offered would cost: four of them, each at 4 runs at the
+/// estimate and 4 about it.
+#[test]
+fn the_study_of_benches_plans_what_to_measure_next() {
+    let folder = tempdir().unwrap();
+    assert_code(&seedloop(folder.path(), &["init", "benches"]), 0);
+    let plan = calibrate(folder.path(), &["--plan", "--json=-"]);
+    assert_code(&plan, 1);
+    let plan = json(&plan);
+    let stages = plan["stages"].as_array().unwrap();
+    let next = stages.last().unwrap();
+    assert_eq!(next["stage"], "what to measure next", "{plan}");
+    assert_eq!(next["runs"], 0);
+    assert_eq!(next["at_most_further"], 4 * 8, "{plan}");
+    assert!(next["further_core_s"].as_f64().unwrap() > 0.0, "{plan}");
 }
 
 /// A sled on a smooth plate shows the friction of its spheres to 1 %, which is what it still swings. The rolling friction
