@@ -355,7 +355,7 @@ mod tests {
     #[test]
     fn sizes_that_cannot_be_are_refused_by_what_is_wrong() {
         let normal = refusal(r#"sizes = { normal = ["4 mm", "2.5 mm"] }, count = 100"#);
-        assert!(normal.contains("reaches down to -1 mm"), "{normal}");
+        assert!(normal.contains("reaches down to -1.00 mm"), "{normal}");
         let giants = refusal(
             r#"sizes = { sieves = [["1 mm", "2 mm", 0.8], ["9 mm", "11 mm", 0.2]] }, count = 100"#,
         );
