@@ -2,7 +2,7 @@
 
 use super::device::Device;
 use super::heap::check_size;
-use super::storeys::{Storeys, check_passage};
+use super::storeys::{Storeys, check_passage, discharge};
 use super::{NamedMesh, NamedWall};
 use crate::check::bad;
 use crate::phases::{Plan, Seen};
@@ -135,7 +135,7 @@ impl Device for DrawDown {
 
     fn observe(&self, seen: &Seen<'_>) -> Result<Vec<ObservableValues>, Error> {
         let mut all = self.read_pile(&seen.spheres(), seen.largest_radius());
-        all.extend(self.storeys().discharge(seen));
+        all.extend(discharge(seen));
         Ok(all)
     }
 }

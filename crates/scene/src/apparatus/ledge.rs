@@ -2,7 +2,7 @@
 
 use super::device::Device;
 use super::heap::check_size;
-use super::storeys::{Storeys, check_passage};
+use super::storeys::{Storeys, check_passage, discharge};
 use super::{NamedMesh, NamedWall};
 use crate::phases::{Plan, Seen};
 use crate::{Error, ObservableValues, Scene, SeedBody};
@@ -123,7 +123,7 @@ impl Device for Ledge {
 
     fn observe(&self, seen: &Seen<'_>) -> Result<Vec<ObservableValues>, Error> {
         let mut all = self.read_pile(&seen.spheres(), seen.largest_radius());
-        all.extend(self.storeys().discharge(seen));
+        all.extend(discharge(seen));
         Ok(all)
     }
 }

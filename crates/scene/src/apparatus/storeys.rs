@@ -132,21 +132,21 @@ impl Storeys<'_> {
         };
         parts.into_iter().filter_map(angle).collect()
     }
+}
 
-    /// Mass flow through the upper floor and the fraction of the mass that fell.
-    pub(super) fn discharge(&self, seen: &Seen<'_>) -> [ObservableValues; 2] {
-        let samples = seen.samples("discharge");
-        let steps: Vec<[f64; 2]> = samples
-            .windows(2)
-            .map(|pair| [pair[1].time, pair[1].below - pair[0].below])
-            .collect();
-        let flow = steady_flow(&steps).map(|flow| 1e3 * flow);
-        let share = samples.last().map(|last| last.below / last.mass);
-        [
-            ObservableValues::new("mass_flow_g_s", "g/s", flow.into_iter().collect()),
-            ObservableValues::new("discharged_share", "1", share.into_iter().collect()),
-        ]
-    }
+/// Mass flow through the upper floor and the fraction of the mass that fell.
+pub(super) fn discharge(seen: &Seen<'_>) -> [ObservableValues; 2] {
+    let samples = seen.samples("discharge");
+    let steps: Vec<[f64; 2]> = samples
+        .windows(2)
+        .map(|pair| [pair[1].time, pair[1].below - pair[0].below])
+        .collect();
+    let flow = steady_flow(&steps).map(|flow| 1e3 * flow);
+    let share = samples.last().map(|last| last.below / last.mass);
+    [
+        ObservableValues::new("mass_flow_g_s", "g/s", flow.into_iter().collect()),
+        ObservableValues::new("discharged_share", "1", share.into_iter().collect()),
+    ]
 }
 
 /// Refuses an opening that the widest seed does not pass.
