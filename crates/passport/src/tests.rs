@@ -283,8 +283,8 @@ fn what_is_known_of_a_code_is_not_named_beside_a_difference() {
     assert_eq!(names(&checked), (Verdict::Named, vec!["normal-force-end"]));
 }
 
-/// Where the order of the limits is that of another code, a friction of half as much again is named with its factor; of five times as much
-/// the grains stick, so that only a least factor is stated.
+/// Where the order of the limits is that of another code, a friction of half as much again and of five times as much is named with its
+/// factor. Ten times as much is the end of the range: the grains stick from less on, so that only a least factor is stated.
 #[test]
 fn a_larger_friction_is_named_with_its_factor_or_the_least_one() {
     let mut model = beads();
@@ -294,7 +294,7 @@ fn a_larger_friction_is_named_with_its_factor_or_the_least_one() {
     }
     let rows = of_small_cases(&model).unwrap();
     let accepted = ["limit-of-spring", "history-as-force"].map(str::to_owned);
-    for (factor, is_least) in [(1.5, false), (5.0, true)] {
+    for (factor, is_least) in [(1.5, false), (5.0, false), (10.0, true)] {
         let got = read_in_another_way(
             &model,
             &rows,

@@ -291,9 +291,10 @@ fn damping_at_rest(scene: &Scene, seed: &SeedSettings, body: &SeedBody) -> f64 {
     let is_sphere = body.outer.spheres().len() == 1;
     // A loaded wall keeps a bed at its stiffest for the whole time. Under its own weight alone the rule of X was found to hold.
     let is_loaded = scene.apparatus.device().greatest_stress() > 0.0;
-    let [share, contacts] = match is_sphere {
-        true => [f64::from(u8::from(is_loaded)), CONTACTS_AT_REST],
-        false => [whole_damping(scene), DAMPING_AT_REST],
+    let [share, contacts] = if is_sphere {
+        [f64::from(u8::from(is_loaded)), CONTACTS_AT_REST]
+    } else {
+        [whole_damping(scene), DAMPING_AT_REST]
     };
     if share == 0.0 {
         return 0.0;
