@@ -171,10 +171,8 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         );
     }
     let single = SingleRun::new(scene, arguments.seed)?;
-    let files = match &arguments.out {
-        Some(folder) => Some(state_files(folder, single.blank_record().key())),
-        None => None,
-    };
+    let folder = arguments.out.as_ref();
+    let files = folder.map(|folder| state_files(folder, single.blank_record().key()));
     let stop = Stop::new(move || kept(files.as_ref()))?;
     let outcome = match stop.result(find_or_run(arguments, &single, &stop)) {
         Ok(Ok(outcome)) => outcome,

@@ -162,7 +162,7 @@ impl Fits<'_> {
         let dof = assemble::covariance_dof(plan, linear, &model.end.means);
         let runs = Runs {
             own_noise: linear.own_noise(effect),
-            of_runs: whitened_runs(plan, linear, &model.end.means, slopes.nrows())?,
+            covariance: whitened_runs(plan, linear, &model.end.means, slopes.nrows())?,
             quantile: t_two_sided_quantile(0.05, dof).unwrap_or(f64::INFINITY),
             nodes,
             slopes,

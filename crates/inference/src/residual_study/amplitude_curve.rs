@@ -44,7 +44,7 @@ pub(super) struct Runs {
     /// How far these may go from the end of the fit.
     pub(super) ways: [Vec<f64>; 2],
     /// Covariance of a mean of runs, whitened.
-    pub(super) of_runs: DMatrix<f64>,
+    pub(super) covariance: DMatrix<f64>,
     /// Share of the noise that runs of one block do not share.
     pub(super) own_noise: f64,
     /// Quantile of the test.
@@ -176,8 +176,8 @@ impl Curve {
         let taken_off = |matrix: DMatrix<f64>| &matrix - &space * (space.transpose() * &matrix);
         let whole = self.mixed(&self.direction);
         let along = &whole - &space * (space.transpose() * &whole);
-        let beside = taken_off(self.runs.of_runs.clone());
-        let product = (along.transpose() * &self.runs.of_runs * &along)[(0, 0)];
+        let beside = taken_off(self.runs.covariance.clone());
+        let product = (along.transpose() * &self.runs.covariance * &along)[(0, 0)];
         let twice = (&beside * &beside).trace();
         Projected {
             of_runs: [product, beside.trace(), twice],
@@ -361,7 +361,7 @@ mod tests {
             nodes: vec![node(1.0), node(0.0), node(0.5)],
             slopes: DMatrix::zeros(1, 0),
             ways: [Vec::new(), Vec::new()],
-            of_runs: DMatrix::from_element(1, 1, share),
+            covariance: DMatrix::from_element(1, 1, share),
             own_noise: 1.0,
             quantile: 1.96,
         };
