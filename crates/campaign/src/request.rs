@@ -107,7 +107,7 @@ impl RunRequest {
     }
 
     /// Everything of the request but its seed, as JSON: the content of the key of its run, besides version
-    /// and seed, unless the simulator defines its own ([`crate::Simulator::inputs`]).
+    /// and seed, unless the simulator defines its own ([`crate::Simulator::prepare`]).
     pub fn inputs(&self) -> Value {
         serde_json::json!({
             "model": self.model,
