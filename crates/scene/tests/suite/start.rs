@@ -162,6 +162,30 @@ fn the_time_step_stands_dashpots_of_whole_bodies() -> Result<(), scene::Error> {
     Ok(())
 }
 
+/// The bed at rest limits the step of strongly damped seeds: six of twelve contacts damp at their most, `z = 6 b sqrt(5/6 7/4 / 12)`, and a
+/// spring beside z allows `sqrt(1 + z²) - z` of its step. Rounding only.
+#[test]
+fn the_time_step_of_a_damped_bed_follows_its_damping_ratio() -> Result<(), scene::Error> {
+    let library = FillingLibrary::default();
+    let step = |restitution: &str| {
+        let scene = drum(&[
+            ("model.whole_seed_damping", "1"),
+            ("contact.seed-seed.restitution", restitution),
+        ])?;
+        Ok::<f64, scene::Error>(starting_frame(&scene, &library, 1)?.2)
+    };
+    let allowed = |restitution: f64| {
+        let log = restitution.ln();
+        let b = -log / log.hypot(std::f64::consts::PI);
+        let z = 6.0 * b * (5.0 / 6.0 * 7.0 / 4.0 / 12.0_f64).sqrt();
+        z.hypot(1.0) - z
+    };
+    let ratio = step("0.001")? / step("0.01")?;
+    let expected = allowed(0.001) / allowed(0.01);
+    assert!((ratio / expected - 1.0).abs() < 1e-9, "{ratio} {expected}");
+    Ok(())
+}
+
 /// In a drum of 0.8 m seeds meet with 2.19 m/s: a step is shorter by the power 1/5 of that or by more, since more spheres touch deeper
 /// down. In a drum of 0.1 m it is that of the study's to the last bit.
 #[test]
