@@ -86,6 +86,7 @@ mod spheres;
 mod template;
 mod transpose;
 mod travel;
+mod triangle_tree;
 mod wall;
 mod wall_batch;
 mod wall_force;

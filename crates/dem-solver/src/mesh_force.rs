@@ -49,14 +49,24 @@ pub(crate) struct TriangleContact {
 struct Near {
     body: usize,
     wall: usize,
-    /// Sum of the ways of body and wall at which the list must be rebuilt, m.
+    /// Sum of the ways of body and wall when the candidates were listed, m.
+    listed: f64,
+    /// The same at which they must be listed anew, m.
     limit: f64,
     /// Triangles within the margin of the body.
     triangles: Vec<u32>,
     /// Spheres and triangles within the skin, by sphere.
-    candidates: Vec<(u16, u32)>,
+    candidates: Vec<Candidate>,
     /// Spheres that touch.
     touches: Vec<TriangleContact>,
+}
+
+/// A sphere and a triangle that may touch.
+#[derive(Debug, Clone, Copy)]
+struct Candidate {
+    place: (u16, u32),
+    /// Gap when it was listed, m.
+    gap: f64,
 }
 
 /// A triangle that a sphere touches, in the frame of the triangles.
@@ -139,7 +149,7 @@ impl MeshWalls {
             let reach = templates[bodies.template[body]].bounding_radius + margin;
             for (wall, moving) in self.moving.iter().enumerate() {
                 let own = moving.own_point(&bodies.position[body]);
-                let triangles: Vec<u32> = moving.near(&own, reach).collect();
+                let triangles = moving.near(&own, reach);
                 if triangles.is_empty() {
                     continue;
                 }
@@ -148,6 +158,7 @@ impl MeshWalls {
                 self.near.push(Near {
                     body,
                     wall,
+                    listed: 0.0,
                     limit: f64::NEG_INFINITY,
                     triangles,
                     candidates: Vec::new(),
@@ -170,15 +181,21 @@ impl MeshWalls {
         for moving in &mut self.moving {
             (moving.force, moving.torque) = (Vector3::zeros(), Vector3::zeros());
         }
+        let mut within_reach = Vec::new();
         for near in &mut self.near {
             let moving = &mut self.moving[near.wall];
             let template = &context.templates[bodies.template[near.body]];
-            let body = bodies.mover(near.body);
-            if f64::from(bodies.travel[near.body]) + moving.travel > near.limit {
+            let way = f64::from(bodies.travel[near.body]) + moving.travel;
+            if way > near.limit {
                 near.list_candidates(bodies, template, moving, context);
             }
+            near.find_within_reach(way, context, &mut within_reach);
+            if within_reach.is_empty() && near.touches.is_empty() {
+                continue;
+            }
+            let body = bodies.mover(near.body);
             let total = find_contacts(
-                &near.candidates,
+                &within_reach,
                 &mut near.touches,
                 (&body, template),
                 (near.body, &bodies.rotation[near.body]),
@@ -255,14 +272,25 @@ impl Near {
                 let gap = (nearest_on_triangle(&own, corners) - own).norm() - sphere.radius;
                 nearest = nearest.min(gap);
                 if gap < skin {
-                    self.candidates.push((k, triangle));
+                    let place = (k, triangle);
+                    self.candidates.push(Candidate { place, gap });
                 }
             }
         }
         // A bridge may pass from a triangle to one that is not listed: that must stay beyond its reach.
         let beyond = f64::from(context.cutoffs.safety + context.cutoffs.reach);
         let reach = nearest.max(skin) - beyond;
-        self.limit = f64::from(bodies.travel[self.body]) + moving.travel + reach;
+        self.listed = f64::from(bodies.travel[self.body]) + moving.travel;
+        self.limit = self.listed + reach;
+    }
+
+    /// Candidates whose gap may have closed by now, at a sum of the ways of body and wall (m).
+    fn find_within_reach(&self, way: f64, context: &Context<'_>, found: &mut Vec<(u16, u32)>) {
+        let approach =
+            way - self.listed + f64::from(context.cutoffs.safety + context.cutoffs.reach);
+        found.clear();
+        let may_touch = self.candidates.iter().filter(|c| c.gap <= approach);
+        found.extend(may_touch.map(|candidate| candidate.place));
     }
 }
 

@@ -4,6 +4,7 @@
 //! a point that moves along, and a vibration. The forces of the bodies change it only along the axis of a load.
 
 use crate::error::Error;
+use crate::triangle_tree::TriangleTree;
 use geometry::triangle::nearest_on_triangle;
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
@@ -100,15 +101,6 @@ impl Vibration {
     }
 }
 
-/// Ball about a triangle at the start.
-#[derive(Debug, Clone, Copy)]
-struct Ball {
-    /// Centre, m.
-    centre: Vector3<f64>,
-    /// Radius, m.
-    radius: f64,
-}
-
 /// Where a wall is on its way.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Path {
@@ -139,8 +131,8 @@ pub(crate) struct Path {
 pub(crate) struct Moving {
     /// The wall as it was given, with the motion of now.
     pub(crate) wall: MeshWall,
-    /// Balls about the triangles.
-    balls: Vec<Ball>,
+    /// Which triangles are near a point.
+    tree: TriangleTree,
     /// Largest distance of a corner from the centre of rotation, m.
     extent: f64,
     /// Way of the centre of rotation without the vibration of now, m.
@@ -191,18 +183,10 @@ impl Moving {
         }) {
             return broken("no triangle may be a line or a point");
         }
-        let balls = wall.triangles.iter().map(|corners| {
-            let centre = corners.iter().sum::<Vector3<f64>>() / 3.0;
-            let radius = corners.iter().map(|c| (c - centre).norm());
-            Ball {
-                centre,
-                radius: radius.fold(0.0, f64::max),
-            }
-        });
         let corners = wall.triangles.iter().flatten();
         let extent = corners.map(|c| (c - motion.about).norm());
         Ok(Self {
-            balls: balls.collect(),
+            tree: TriangleTree::of(&wall.triangles),
             extent: extent.fold(0.0, f64::max),
             shift: Vector3::zeros(),
             since: time,
@@ -292,22 +276,20 @@ impl Moving {
         motion.velocity + self.swing_velocity + motion.spin.cross(&(point - self.pivot()))
     }
 
-    /// Triangles within a distance (m) of a point of the frame of the triangles.
-    pub(crate) fn near<'a>(
-        &'a self,
-        own: &'a Vector3<f64>,
-        distance: f64,
-    ) -> impl Iterator<Item = u32> + 'a {
-        let triangles = self.balls.iter().zip(&self.wall.triangles);
-        let triangles = triangles.take(if self.removed { 0 } else { usize::MAX });
-        let is_near = move |ball: &Ball, corners: &[Vector3<f64>; 3]| {
-            (ball.centre - own).norm() < ball.radius + distance
-                && (nearest_on_triangle(own, corners) - own).norm() < distance
-        };
-        (0_u32..)
-            .zip(triangles)
-            .filter(move |(_, (ball, corners))| is_near(ball, corners))
-            .map(|(index, _)| index)
+    /// Triangles within a distance (m) of a point of the frame of the triangles, in ascending order.
+    pub(crate) fn near(&self, own: &Vector3<f64>, distance: f64) -> Vec<u32> {
+        let mut found = Vec::new();
+        if self.removed {
+            return found;
+        }
+        self.tree.visit(own, distance, |index| {
+            let corners = &self.wall.triangles[index as usize];
+            if (nearest_on_triangle(own, corners) - own).norm() < distance {
+                found.push(index);
+            }
+        });
+        found.sort_unstable();
+        found
     }
 
     /// Moves the wall by a step (s) that ends at a time (s).
