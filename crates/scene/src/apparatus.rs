@@ -13,6 +13,7 @@ mod drum;
 mod heap;
 mod hopper;
 mod ledge;
+mod machine;
 mod metering;
 mod penetration;
 mod poured_heap;
@@ -33,6 +34,7 @@ pub use drum::{Drum, Lifters, OBSERVABLES_OF_A_BED, OBSERVABLES_OF_PICTURES, Rip
 pub use heap::Heap;
 pub use hopper::Hopper;
 pub use ledge::Ledge;
+pub use machine::Machine;
 pub use metering::Metering;
 pub use penetration::Penetration;
 pub use poured_heap::PouredHeap;
@@ -115,6 +117,8 @@ apparatus! {
     DirectShear = "direct-shear",
     /// Probe pressed into a bed.
     Penetration = "penetration",
+    /// Walls, phases and probes as the file states them.
+    Machine = "machine",
     /// Bench test: a sled of seeds pulled over a plate.
     Slider = "slider",
     /// Bench test: a seed that falls on a plate.
@@ -149,7 +153,7 @@ pub(crate) struct NamedMesh {
 /// A wall by the name of its material.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct NamedWall {
-    pub(crate) name: &'static str,
+    pub(crate) name: String,
     pub(crate) shape: Shape,
     /// Name of the material.
     pub(crate) material: String,

@@ -228,7 +228,7 @@ fn empty_drive(
 ) -> Result<World, Error> {
     let walls = scene.apparatus.device().walls();
     let still = walls.iter().map(|w| Wall {
-        name: w.name.into(),
+        name: w.name.clone(),
         shape: w.shape,
         material: index_of(names, &w.material),
         spin: 0.0,

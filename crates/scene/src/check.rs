@@ -37,6 +37,7 @@ impl Scene {
         self.check_seeds(&mut found);
         found.extend(self.surroundings.check(&self.apparatus).err());
         found.extend(self.apparatus.device().check().err());
+        found.extend(self.apparatus.device().check_walls(self).err());
         if let Some(test) = self.apparatus.device().bench_test() {
             self.check_bench(test, &mut found);
         }

@@ -43,9 +43,8 @@ fn rim_speed(scene: &Scene) -> f64 {
 fn mesh_speed(scene: &Scene) -> f64 {
     let [low, high] = scene.apparatus.device().room();
     let meshes = scene.wall.iter();
-    meshes
-        .map(|w| w.fastest((high - low).norm()))
-        .fold(0.0, f64::max)
+    let speeds = meshes.map(|w| w.fastest((high - low).norm()));
+    speeds.fold(scene.apparatus.device().fastest_wall(), f64::max)
 }
 
 /// Height of a fall across the apparatus, or from where seeds appear to the floor y = 0 if that is lower, m.

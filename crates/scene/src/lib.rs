@@ -63,8 +63,8 @@ mod time_step;
 
 pub use apparatus::{
     Apparatus, BoxCollapse, BulkDensity, Compression, DirectShear, DrawDown, Drop, Drum, Heap,
-    Hopper, Ledge, Lifters, Metering, OBSERVABLES_OF_A_BED, OBSERVABLES_OF_PICTURES, Penetration,
-    PouredHeap, Ripple, Slider, Tilt,
+    Hopper, Ledge, Lifters, Machine, Metering, OBSERVABLES_OF_A_BED, OBSERVABLES_OF_PICTURES,
+    Penetration, PouredHeap, Ripple, Slider, Tilt,
 };
 pub use bed_motion::{BedMotion, MotionEvidence};
 pub use bonded::BondedSettings;

@@ -106,11 +106,16 @@ impl Scene {
     fn check_walls(&self) -> Option<Error> {
         let [low, high] = self.apparatus.device().room();
         let size = (high - low).norm();
+        let own = self.apparatus.device().fastest_wall();
+        let requirement = format!("at most {MOST_WALL_SPEED} m/s");
+        if own > MOST_WALL_SPEED {
+            let speed = format!("{own:.4e} m/s");
+            return Some(bad("fastest motion of a phase", speed, &requirement));
+        }
         let mut walls = self.wall.iter();
         let wall = walls.find(|w| w.fastest(size) > MOST_WALL_SPEED)?;
         let name = format!("velocity, spin and vibration of wall '{}'", wall.name);
         let speed = format!("{:.4e} m/s within {size:.3} m", wall.fastest(size));
-        let requirement = format!("at most {MOST_WALL_SPEED} m/s");
         Some(bad(&name, speed, &requirement))
     }
 

@@ -207,7 +207,7 @@ pub(crate) fn start_drive(scene: &Scene, built: &mut Built) -> Result<(), Error>
     }
     built.world.set_time_step(built.time_steps.flow)?;
     for wall in scene.apparatus.device().walls() {
-        built.world.set_wall_spin(wall.name, wall.spin)?;
+        built.world.set_wall_spin(&wall.name, wall.spin)?;
     }
     for mesh in &built.meshes {
         built.world.set_mesh_motion(&mesh.name, &mesh.motion)?;
@@ -414,7 +414,7 @@ fn steady_rule(scene: &Scene, swing: f64) -> SteadyRule {
 /// Turns everything that turns with the drive at a share of its speed.
 fn set_share_of_speed(scene: &Scene, built: &mut Built, share: f64) -> Result<(), Error> {
     for wall in scene.apparatus.device().walls() {
-        built.world.set_wall_spin(wall.name, wall.spin * share)?;
+        built.world.set_wall_spin(&wall.name, wall.spin * share)?;
     }
     for mesh in scene.apparatus.device().mesh_walls() {
         let motion = Motion {

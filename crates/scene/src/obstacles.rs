@@ -51,18 +51,44 @@ pub struct VibrationSettings {
     pub frequency: Frequency,
 }
 
+/// A motion about the origin of velocity, spin and vibration as a file states them.
+pub(crate) fn prescribed(
+    velocity: Option<[Speed; 3]>,
+    spin: Option<[AngularSpeed; 3]>,
+    vibration: Option<&VibrationSettings>,
+) -> Motion {
+    let vibration = vibration.map(|v| Vibration {
+        amplitude: Vector3::from(v.amplitude.map(Length::si)),
+        angular_frequency: TAU * v.frequency.si(),
+    });
+    Motion {
+        velocity: velocity.map_or_else(Vector3::zeros, |v| Vector3::from(v.map(Speed::si))),
+        spin: spin.map_or_else(Vector3::zeros, |v| Vector3::from(v.map(AngularSpeed::si))),
+        vibration,
+        ..Motion::default()
+    }
+}
+
+/// Greatest speed of a wall with these motions within so many metres, m/s.
+pub(crate) fn fastest(
+    velocity: Option<[Speed; 3]>,
+    spin: Option<[AngularSpeed; 3]>,
+    vibration: Option<&VibrationSettings>,
+    size: f64,
+) -> f64 {
+    let speed = |v: [Speed; 3]| v.iter().map(|c| c.si().abs()).sum::<f64>();
+    let turn = |v: [AngularSpeed; 3]| v.iter().map(|c| c.si().abs()).sum::<f64>();
+    let swing = |v: &VibrationSettings| {
+        let way: f64 = v.amplitude.iter().map(|c| c.si().abs()).sum();
+        TAU * v.frequency.si() * way
+    };
+    velocity.map_or(0.0, speed) + size * spin.map_or(0.0, turn) + vibration.map_or(0.0, swing)
+}
+
 impl WallSettings {
     /// Greatest speed that it can have within so many metres, m/s.
     pub(crate) fn fastest(&self, size: f64) -> f64 {
-        let speed = |v: [Speed; 3]| v.iter().map(|c| c.si().abs()).sum::<f64>();
-        let spin = |v: [AngularSpeed; 3]| v.iter().map(|c| c.si().abs()).sum::<f64>();
-        let swing = |v: &VibrationSettings| {
-            let way: f64 = v.amplitude.iter().map(|c| c.si().abs()).sum();
-            TAU * v.frequency.si() * way
-        };
-        self.velocity.map_or(0.0, speed)
-            + size * self.spin.map_or(0.0, spin)
-            + self.vibration.as_ref().map_or(0.0, swing)
+        fastest(self.velocity, self.spin, self.vibration.as_ref(), size)
     }
 
     /// Refuses a wall that no seed can reach: all of it is outside the ball about a drum or a device. On an open floor
@@ -103,22 +129,13 @@ impl WallSettings {
         let triangles = (0..mesh.triangles().len()).map(|t| mesh.corners(t).map(|c| c + shift));
         let triangles: Vec<_> = triangles.collect();
         self.check_place(scene, &triangles)?;
-        let velocity = self.velocity.map(|v| Vector3::from(v.map(Speed::si)));
-        let spin = self.spin.map(|v| Vector3::from(v.map(AngularSpeed::si)));
-        let vibration = self.vibration.as_ref().map(|v| Vibration {
-            amplitude: Vector3::from(v.amplitude.map(Length::si)),
-            angular_frequency: TAU * v.frequency.si(),
-        });
         Ok(NamedMesh {
             name: self.name.clone(),
             triangles,
             material: self.material.clone(),
             motion: Motion {
-                velocity: velocity.unwrap_or_default(),
-                spin: spin.unwrap_or_default(),
                 about: lengths(self.about),
-                vibration,
-                load: None,
+                ..prescribed(self.velocity, self.spin, self.vibration.as_ref())
             },
         })
     }

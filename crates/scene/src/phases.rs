@@ -46,7 +46,7 @@ impl Plan {
     pub(crate) fn stated_time(&self) -> f64 {
         let stated = self.phases.iter().map(|phase| match phase.end {
             End::After(time) => time,
-            End::AtRest { .. } | End::Pressed { .. } => 0.0,
+            _ => 0.0,
         });
         stated.sum()
     }
@@ -57,9 +57,9 @@ impl Plan {
 pub(crate) struct Phase {
     pub(crate) name: String,
     /// Motions that begin with the phase, by the name of the wall; other walls keep their motion.
-    pub(crate) motions: Vec<(&'static str, Motion)>,
+    pub(crate) motions: Vec<(String, Motion)>,
     /// Walls that are taken away at its start.
-    pub(crate) removed: Vec<&'static str>,
+    pub(crate) removed: Vec<String>,
     /// Where seeds are taken out during the phase.
     pub(crate) outlets: Vec<Outlet>,
     pub(crate) end: End,
@@ -79,7 +79,7 @@ impl Phase {
 }
 
 /// When a phase ends.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) enum End {
     /// When all seeds rest and all loaded walls are carried, not before a time (s); at the latest after the rotation limit.
     AtRest {
@@ -91,10 +91,33 @@ pub(crate) enum End {
     /// When a wall has gone down by a depth since the bed first pushed it up; at the latest after the rotation limit.
     Pressed {
         /// Name of the wall.
-        wall: &'static str,
+        wall: String,
         /// Depth, m.
         depth: f64,
     },
+    /// When the bed pushes a wall along a unit vector with a force (N); at the latest after the rotation limit.
+    Pushed {
+        /// Name of the wall.
+        wall: String,
+        /// Direction.
+        along: Vector3<f64>,
+        /// Force, N.
+        force: f64,
+    },
+    /// When a fraction of the mass that was there at the start of the phase has been taken out; at the latest after the rotation limit.
+    Discharged(f64),
+}
+
+impl End {
+    /// What it is called if the limit comes first; `None` of an end that asks for rest.
+    fn doubt(&self) -> Option<Doubt> {
+        match self {
+            Self::AtRest { .. } | Self::After(_) => None,
+            Self::Pressed { .. } => Some(Doubt::DepthNotReached),
+            Self::Pushed { .. } => Some(Doubt::ForceNotReached),
+            Self::Discharged(_) => Some(Doubt::NotDischarged),
+        }
+    }
 }
 
 /// A plane that takes out the seeds whose centres pass it.
@@ -147,6 +170,9 @@ pub(crate) struct Sample {
     pub(crate) time: f64,
     /// Force of the bed on each wall, N: analytic walls, then walls of triangles.
     pub(crate) forces: Vec<Vector3<f64>>,
+    /// Torque of the bed on each wall of triangles about its centre of rotation, N m.
+    #[serde(default)]
+    pub(crate) torques: Vec<Vector3<f64>>,
     /// Displacement of each wall of triangles, m.
     pub(crate) displacements: Vec<Vector3<f64>>,
     /// Mass of the bed, kg.
@@ -176,6 +202,7 @@ impl Sample {
             phase,
             time: world.time() - since,
             forces: world.wall_load().iter().copied().chain(on_meshes).collect(),
+            torques: world.mesh_loads().map(|(_, torque)| torque).collect(),
             displacements: world.mesh_displacements().collect(),
             mass,
             centre: if mass > 0.0 { moment / mass } else { 0.0 },
@@ -237,6 +264,11 @@ impl Seen<'_> {
         self.scene.seed_mass() / volume.sum::<f64>()
     }
 
+    /// Name of the last phase.
+    pub(crate) fn last_phase(&self) -> &str {
+        self.plan.phases.last().map_or("", |phase| &phase.name)
+    }
+
     /// Samples of a phase, in order of time.
     pub(crate) fn samples<'s>(&'s self, phase: &str) -> Vec<&'s Sample> {
         let of_phase = |sample: &&Sample| self.plan.phases[sample.phase].name == phase;
@@ -267,9 +299,19 @@ impl Seen<'_> {
 
     /// Displacement of a wall of triangles in a sample, m.
     pub(crate) fn displacement(&self, sample: &Sample, wall: &str) -> Vector3<f64> {
-        let meshes = &self.walls[self.walls.len() - sample.displacements.len()..];
+        self.of_mesh(&sample.displacements, wall)
+    }
+
+    /// Torque of the bed on a wall of triangles in a sample, N m.
+    pub(crate) fn torque(&self, sample: &Sample, wall: &str) -> Vector3<f64> {
+        self.of_mesh(&sample.torques, wall)
+    }
+
+    /// The vector of a wall of triangles, of those of all.
+    fn of_mesh(&self, all: &[Vector3<f64>], wall: &str) -> Vector3<f64> {
+        let meshes = &self.walls[self.walls.len() - all.len()..];
         let at = meshes.iter().position(|name| name == wall);
-        at.map_or_else(Vector3::zeros, |at| sample.displacements[at])
+        at.map_or_else(Vector3::zeros, |at| all[at])
     }
 }
 
@@ -331,8 +373,7 @@ pub(crate) fn run_phases(
             .collect(),
     };
     let observables = device.observe(&seen)?;
-    let last = plan.phases.last().map_or("", |phase| phase.name.as_str());
-    let discharge = seen.passages(last);
+    let discharge = seen.passages(seen.last_phase());
     Ok(PhasesDone {
         built,
         frame,
@@ -375,14 +416,14 @@ fn until_end(
 ) -> Result<Option<Doubt>, Error> {
     let scene = running.scene;
     let phase = &plan.phases[running.log.phase];
+    let limit = scene.protocol.rotation_limit.si();
     let (shortest, limit) = match phase.end {
         // The time of the world is a sum of steps: half of a sample hides its rounding.
         End::After(time) => (time - 0.5 * plan.interval, f64::INFINITY),
-        End::AtRest { after } => (after, scene.protocol.rotation_limit.si()),
-        End::Pressed { .. } => (0.0, scene.protocol.rotation_limit.si()),
+        End::AtRest { after } => (after, limit),
+        _ => (0.0, limit),
     };
     let rest = rest_energy(scene, &running.built.world);
-    let all = scene.seed_count().max(1) as f64;
     loop {
         let time = running.built.world.time() - running.log.since;
         if time >= limit {
@@ -392,31 +433,14 @@ fn until_end(
         advance(scene, &mut running.built, plan.interval)?;
         running.take_out(&phase.outlets)?;
         running.sample();
-        let world = &running.built.world;
-        if world.time() - running.log.since <= shortest {
-            continue;
-        }
-        if let End::Pressed { wall, depth } = phase.end {
-            if running.pressed(wall) >= depth {
-                return Ok(None);
-            }
-            continue;
-        }
-        // A bed that has lost seeds rests at less energy.
-        let left = if running.log.passages.is_empty() {
-            1.0
-        } else {
-            world.bodies().len() as f64 / all
-        };
-        let rests = world.bodies().is_empty() || world.kinetic_energy() < rest * left;
-        if matches!(phase.end, End::After(_)) || (rests && loads_are_carried(world)) {
+        let time = running.built.world.time() - running.log.since;
+        if time > shortest && running.has_come_to(&phase.end, rest) {
             return Ok(None);
         }
     }
-    if matches!(phase.end, End::Pressed { .. }) {
-        return Ok(Some(Doubt::DepthNotReached));
-    }
-    Ok(Some(if is_driven_by_rolling(scene, &running.built) {
+    Ok(Some(if let Some(doubt) = phase.end.doubt() {
+        doubt
+    } else if is_driven_by_rolling(scene, &running.built) {
         Doubt::DrivenByRolling
     } else if loads_are_carried(&running.built.world) {
         Doubt::NotAtRest
@@ -442,6 +466,45 @@ impl Running<'_> {
         let Log { phase, since, .. } = self.log;
         let sample = Sample::of(&self.built.world, phase, since);
         self.log.samples.push(sample);
+    }
+
+    /// Whether the phase of now has come to an end other than its limit; its bed rests with a kinetic energy (J) of all seeds.
+    fn has_come_to(&self, end: &End, rest: f64) -> bool {
+        let world = &self.built.world;
+        match end {
+            End::After(_) => true,
+            End::AtRest { .. } => {
+                // A bed that has lost seeds rests at less energy.
+                let left = if self.log.passages.is_empty() {
+                    1.0
+                } else {
+                    let all = self.scene.seed_count().max(1);
+                    world.bodies().len() as f64 / all as f64
+                };
+                let rests = world.bodies().is_empty() || world.kinetic_energy() < rest * left;
+                rests && loads_are_carried(world)
+            }
+            End::Pressed { wall, depth } => self.pressed(wall) >= *depth,
+            End::Pushed { wall, along, force } => {
+                let pushed = self.place_of(wall).zip(self.log.samples.last());
+                pushed.is_some_and(|(at, sample)| sample.forces[at].dot(along) >= *force)
+            }
+            End::Discharged(fraction) => {
+                let of_phase = |phase: usize| phase == self.log.phase;
+                let taken = self.log.passages.iter().filter(|p| of_phase(p.phase));
+                let left: f64 = self.log.samples.last().map_or(0.0, |sample| sample.mass);
+                let taken = taken.map(|p| p.mass).sum::<f64>();
+                taken >= fraction * (taken + left)
+            }
+        }
+    }
+
+    /// Place of a wall among the forces of a sample.
+    fn place_of(&self, wall: &str) -> Option<usize> {
+        let world = &self.built.world;
+        let names = world.walls().iter().map(|wall| wall.name.as_str());
+        let mut names = names.chain(world.mesh_walls().map(|mesh| mesh.name.as_str()));
+        names.position(|name| name == wall)
     }
 
     /// How far a wall of triangles has gone down in the phase of now since the bed first pushed it up, m.

@@ -99,7 +99,7 @@ fn in_section(scene: &Scene, bodies: &[Arc<SeedBody>], frame: &Frame) -> Result<
         };
         !phases.iter().any(is_moved)
     };
-    let meshes = device.mesh_walls();
+    let meshes = mesh_walls(scene)?;
     let behind = |corners: &&[Vector3<f64>; 3]| corners.iter().map(|c| c.z).sum::<f64>() <= 0.0;
     let drawn = meshes.iter().filter(|mesh| stays(mesh));
     let mut walls: Vec<Corners> = drawn

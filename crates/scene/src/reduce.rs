@@ -120,8 +120,8 @@ impl Scene {
 
     /// Names of all observables that a run can give; one that needs what does not happen (a surface, a
     /// period) may be missing.
-    pub fn observables(&self) -> Vec<&'static str> {
-        let mut names = self.apparatus.device().observables().to_vec();
+    pub fn observables(&self) -> Vec<&str> {
+        let mut names = self.apparatus.device().observables();
         let is_turned = self.apparatus.is_turned();
         if self.model.bonds.is_some() && is_turned {
             names.push("broken_bonds");

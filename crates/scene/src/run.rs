@@ -21,6 +21,7 @@ use crate::{
 use dem_solver::{Census, Placement, World};
 use geometry::clump::Sphere;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use surface_profile::{DensitySettings, Disc, DrumCircle, measure, profile_from_discs};
@@ -84,7 +85,7 @@ impl Ending {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservableValues {
     /// Name, with the unit at its end.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Unit.
     pub unit: &'static str,
     /// Values.
@@ -93,7 +94,12 @@ pub struct ObservableValues {
 
 impl ObservableValues {
     /// Names some values.
-    pub(crate) fn new(name: &'static str, unit: &'static str, values: Vec<f64>) -> Self {
+    pub(crate) fn new(
+        name: impl Into<Cow<'static, str>>,
+        unit: &'static str,
+        values: Vec<f64>,
+    ) -> Self {
+        let name = name.into();
         Self { name, unit, values }
     }
 }

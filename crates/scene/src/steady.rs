@@ -66,6 +66,10 @@ pub enum Doubt {
     LoadNotCarried,
     /// A probe did not come to its depth.
     DepthNotReached,
+    /// The seeds did not push a wall with the force at which a phase ends.
+    ForceNotReached,
+    /// Less of the bed was taken out than ends a phase.
+    NotDischarged,
     /// Rolling friction of type A turns the seeds to and fro within a step, however long it lasts.
     DrivenByRolling,
 }
@@ -82,6 +86,8 @@ impl Doubt {
             Self::NotAtRest => "had not come to rest",
             Self::LoadNotCarried => "did not carry the load of a wall",
             Self::DepthNotReached => "was not pressed to the stated depth",
+            Self::ForceNotReached => "did not push the wall with the stated force",
+            Self::NotDischarged => "did not flow out as far as was stated",
             Self::DrivenByRolling => {
                 "is driven by its own rolling torque, which turns the seeds to and fro within a time step: lower \
                  protocol.step_share to a quarter, or take model.rolling_law = \"spring-dashpot\""

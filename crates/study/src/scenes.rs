@@ -132,7 +132,10 @@ impl<'a> Scenes<'a> {
     }
 
     /// What runs of a setup give.
-    pub(crate) fn observables(&self, setup: &Setup) -> Vec<&'a str> {
+    pub(crate) fn observables<'s>(&self, setup: &'s Setup) -> Vec<&'s str>
+    where
+        'a: 's,
+    {
         match setup {
             Setup::Scene(scene) => {
                 let mut all = scene.observables();

@@ -66,8 +66,8 @@ impl Device for BoxCollapse {
         check_lift("apparatus.lift_speed", self.lift_speed)
     }
 
-    fn observables(&self) -> &'static [&'static str] {
-        &[
+    fn observables(&self) -> Vec<&str> {
+        vec![
             "angle_of_repose_deg",
             "height_mm",
             "runout_mm",
@@ -83,8 +83,8 @@ impl Device for BoxCollapse {
             point: Vector3::zeros(),
             normal: Vector3::x(),
         };
-        let wall = |name, shape| NamedWall {
-            name,
+        let wall = |name: &str, shape| NamedWall {
+            name: name.into(),
             shape,
             material: self.wall.clone(),
             spin: 0.0,
@@ -122,7 +122,7 @@ impl Device for BoxCollapse {
         let lifted = self.height.si() / self.lift_speed.si();
         let motion = self.gate_mesh().motion;
         Some(Plan::new(vec![Phase {
-            motions: vec![("gate", motion)],
+            motions: vec![("gate".into(), motion)],
             end: End::AtRest { after: lifted },
             ..Phase::named("release")
         }]))

@@ -99,17 +99,12 @@ impl Device for BulkDensity {
         }
     }
 
-    fn observables(&self) -> &'static [&'static str] {
-        if self.taps == 0 {
-            &["bulk_density_kg_m3", "porosity"]
-        } else {
-            &[
-                "bulk_density_kg_m3",
-                "porosity",
-                "tapped_density_kg_m3",
-                "hausner_ratio",
-            ]
+    fn observables(&self) -> Vec<&str> {
+        let mut all = vec!["bulk_density_kg_m3", "porosity"];
+        if self.taps > 0 {
+            all.extend(["tapped_density_kg_m3", "hausner_ratio"]);
         }
+        all
     }
 
     fn mesh_walls(&self) -> Vec<NamedMesh> {
@@ -157,7 +152,7 @@ impl Device for BulkDensity {
             normal: Vector3::y(),
         };
         let mut phases = vec![Phase {
-            removed: vec!["collar"],
+            removed: vec!["collar".into()],
             outlets: vec![struck],
             ..Phase::named("strike off")
         }];
@@ -171,12 +166,12 @@ impl Device for BulkDensity {
                 ..Motion::default()
             };
             phases.push(Phase {
-                motions: vec![("cup", tapping)],
+                motions: vec![("cup".into(), tapping)],
                 end: End::After(f64::from(self.taps) / self.frequency()),
                 ..Phase::named("tapping")
             });
             phases.push(Phase {
-                motions: vec![("cup", Motion::default())],
+                motions: vec![("cup".into(), Motion::default())],
                 ..Phase::named("rest")
             });
         }

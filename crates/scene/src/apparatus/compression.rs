@@ -55,11 +55,11 @@ impl Compression {
     }
 }
 
-/// Motion of a wall that presses downwards with a force (N) on a bed of a mass (kg).
-pub(super) fn pressing(force: f64, bed: f64, greatest_speed: f64) -> Motion {
+/// Motion of a wall that presses along a unit vector with a force (N) on a bed of a mass (kg).
+pub(super) fn pressing(axis: Vector3<f64>, force: f64, bed: f64, greatest_speed: f64) -> Motion {
     Motion {
         load: Some(AxialLoad {
-            axis: -Vector3::y(),
+            axis,
             force,
             mass: WALL_OVER_BED * bed,
             damping_time: DAMPING_TIME,
@@ -112,8 +112,8 @@ impl Device for Compression {
         check_greatest_speed(self.greatest_speed)
     }
 
-    fn observables(&self) -> &'static [&'static str] {
-        &[
+    fn observables(&self) -> Vec<&str> {
+        vec![
             "strain",
             "loading_modulus_kpa",
             "unloading_modulus_kpa",
@@ -124,8 +124,8 @@ impl Device for Compression {
 
     fn walls(&self) -> Vec<NamedWall> {
         let half = 0.5 * self.width.si();
-        let wall = |name, shape| NamedWall {
-            name,
+        let wall = |name: &str, shape| NamedWall {
+            name: name.into(),
             shape,
             material: self.wall.clone(),
             spin: 0.0,
@@ -183,7 +183,10 @@ impl Device for Compression {
             self.greatest_speed.map_or(GREATEST_SPEED, Speed::si),
         );
         let press = |name: String, stress: f64| Phase {
-            motions: vec![("piston", pressing(stress * self.area(), bed, speed))],
+            motions: vec![(
+                "piston".into(),
+                pressing(-Vector3::y(), stress * self.area(), bed, speed),
+            )],
             // The piston must have begun to move before rest can mean anything.
             end: End::AtRest {
                 after: 10.0 * INTERVAL,

@@ -17,8 +17,14 @@ pub(crate) trait Device {
     /// Refuses invalid settings.
     fn check(&self) -> Result<(), Error>;
 
+    /// Refuses names of walls that neither the apparatus nor the scene has.
+    fn check_walls(&self, scene: &Scene) -> Result<(), Error> {
+        let _ = scene;
+        Ok(())
+    }
+
     /// Names of the observables that a run can give.
-    fn observables(&self) -> &'static [&'static str];
+    fn observables(&self) -> Vec<&str>;
 
     /// Analytic walls with the spins of the running drive.
     fn walls(&self) -> Vec<NamedWall> {
@@ -132,6 +138,11 @@ pub(crate) trait Device {
 
     /// Greatest stress of a loaded wall on the bed, Pa.
     fn greatest_stress(&self) -> f64 {
+        0.0
+    }
+
+    /// Greatest speed of the walls that its phases move, if it counts for the time step, m/s.
+    fn fastest_wall(&self) -> f64 {
         0.0
     }
 

@@ -81,8 +81,8 @@ impl Device for DirectShear {
         Ok(())
     }
 
-    fn observables(&self) -> &'static [&'static str] {
-        &[
+    fn observables(&self) -> Vec<&str> {
+        vec![
             "peak_shear_stress_kpa",
             "steady_shear_stress_kpa",
             "steady_stress_ratio",
@@ -92,8 +92,8 @@ impl Device for DirectShear {
 
     fn walls(&self) -> Vec<NamedWall> {
         let half = 0.5 * self.width.si();
-        let wall = |name, z| NamedWall {
-            name,
+        let wall = |name: &str, z| NamedWall {
+            name: name.into(),
             shape: cover(z),
             material: self.wall.clone(),
             spin: 0.0,
@@ -151,21 +151,21 @@ impl Device for DirectShear {
 
     fn plan(&self, scene: &Scene) -> Option<Plan> {
         let force = self.normal_stress.si() * self.length.si() * self.width.si();
-        let lid = pressing(force, scene.seed_mass(), GREATEST_SPEED);
+        let lid = pressing(-Vector3::y(), force, scene.seed_mass(), GREATEST_SPEED);
         let drive = Motion {
             velocity: Vector3::x() * self.speed.si(),
             ..Motion::default()
         };
         let mut plan = Plan::new(vec![
             Phase {
-                motions: vec![("lid", lid)],
+                motions: vec![("lid".into(), lid)],
                 end: End::AtRest {
                     after: 10.0 * INTERVAL,
                 },
                 ..Phase::named("load")
             },
             Phase {
-                motions: vec![("lower half", drive)],
+                motions: vec![("lower half".into(), drive)],
                 end: End::After(self.displacement.si() / self.speed.si()),
                 ..Phase::named("shear")
             },

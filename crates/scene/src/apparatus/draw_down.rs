@@ -73,8 +73,8 @@ impl Device for DrawDown {
         check_passage(self.outlet, bodies)
     }
 
-    fn observables(&self) -> &'static [&'static str] {
-        &[
+    fn observables(&self) -> Vec<&str> {
+        vec![
             "shear_angle_deg",
             "angle_of_repose_deg",
             "mass_flow_g_s",

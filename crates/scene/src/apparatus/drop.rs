@@ -40,8 +40,8 @@ impl Device for Drop {
         super::heap::check_size("apparatus.height", self.height)
     }
 
-    fn observables(&self) -> &'static [&'static str] {
-        &["shown_restitution"]
+    fn observables(&self) -> Vec<&str> {
+        vec!["shown_restitution"]
     }
 
     fn bench_test(&self) -> Option<BenchTest<'_>> {

@@ -231,16 +231,16 @@ impl Device for Drum {
         check_turned(self.inner_diameter, self.width)
     }
 
-    fn observables(&self) -> &'static [&'static str] {
-        &DRUM_OBSERVABLES
+    fn observables(&self) -> Vec<&str> {
+        DRUM_OBSERVABLES.to_vec()
     }
 
     fn walls(&self) -> Vec<NamedWall> {
         let (half, spin) = (0.5 * self.width.si(), self.speed.si());
         let radius = 0.5 * self.inner_diameter.si();
         let of_covers = if self.covers_at_rest { 0.0 } else { spin };
-        let wall = |name, shape, material: &String, spin| NamedWall {
-            name,
+        let wall = |name: &str, shape, material: &String, spin| NamedWall {
+            name: name.into(),
             shape,
             material: material.clone(),
             spin,

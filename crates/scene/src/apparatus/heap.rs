@@ -55,8 +55,8 @@ impl Device for Heap {
         check_lift("apparatus.lift_speed", self.lift_speed)
     }
 
-    fn observables(&self) -> &'static [&'static str] {
-        &["angle_of_repose_deg", "height_mm", "base_radius_mm"]
+    fn observables(&self) -> Vec<&str> {
+        vec!["angle_of_repose_deg", "height_mm", "base_radius_mm"]
     }
 
     fn walls(&self) -> Vec<NamedWall> {
@@ -88,7 +88,7 @@ impl Device for Heap {
         let lifted = self.height.si() / self.lift_speed.si();
         let motion = self.cylinder_mesh().motion;
         Some(Plan::new(vec![Phase {
-            motions: vec![("cylinder", motion)],
+            motions: vec![("cylinder".into(), motion)],
             end: End::AtRest { after: lifted },
             ..Phase::named("release")
         }]))
@@ -118,7 +118,7 @@ impl Device for Heap {
 /// The floor y = 0.
 pub(super) fn floor(material: &str) -> NamedWall {
     NamedWall {
-        name: "floor",
+        name: "floor".into(),
         shape: Shape::Plane {
             point: Vector3::zeros(),
             normal: Vector3::y(),

@@ -106,8 +106,8 @@ impl Device for Hopper {
         check_passage(self.outlet, bodies)
     }
 
-    fn observables(&self) -> &'static [&'static str] {
-        &[
+    fn observables(&self) -> Vec<&str> {
+        vec![
             "mass_flow_g_s",
             "discharge_time_s",
             "left_behind_g",
@@ -134,8 +134,8 @@ impl Device for Hopper {
                 half_edges: [0.5 * (outer - inner), Vector3::z() * half],
             }
         };
-        let wall = |name, shape| NamedWall {
-            name,
+        let wall = |name: &str, shape| NamedWall {
+            name: name.into(),
             shape,
             material: self.wall.clone(),
             spin: 0.0,
@@ -226,7 +226,7 @@ impl Device for Hopper {
             ..Phase::named("rest")
         };
         let discharge = Phase {
-            removed: vec!["gate"],
+            removed: vec!["gate".into()],
             // Seeds that have fallen by the width of the opening act on no seed in it any more.
             outlets: vec![Outlet::below(-self.outlet.si())],
             end: End::AtRest { after: SHORTEST },

@@ -61,8 +61,8 @@ impl Device for Ledge {
         check_passage(self.outlet, bodies)
     }
 
-    fn observables(&self) -> &'static [&'static str] {
-        &[
+    fn observables(&self) -> Vec<&str> {
+        vec![
             "angle_of_repose_deg",
             "angle_below_deg",
             "mass_flow_g_s",

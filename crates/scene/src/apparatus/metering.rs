@@ -110,8 +110,8 @@ impl Device for Metering {
         })
     }
 
-    fn observables(&self) -> &'static [&'static str] {
-        &[
+    fn observables(&self) -> Vec<&str> {
+        vec![
             "filling_angle_deg",
             "filling_angle_by_position_deg",
             "centre_of_mass_deg",
@@ -128,8 +128,8 @@ impl Device for Metering {
     fn walls(&self) -> Vec<NamedWall> {
         let (half, spin) = (0.5 * self.width.si(), self.speed.si());
         let radius = 0.5 * self.inner_diameter.si();
-        let wall = |name, shape, material: &String, spin| NamedWall {
-            name,
+        let wall = |name: &str, shape, material: &String, spin| NamedWall {
+            name: name.into(),
             shape,
             material: material.clone(),
             spin,

@@ -94,8 +94,8 @@ impl Device for Penetration {
         Err(bad("apparatus.speed", self.speed.to_string(), &requirement))
     }
 
-    fn observables(&self) -> &'static [&'static str] {
-        &["penetration_force_n", "penetration_energy_mj"]
+    fn observables(&self) -> Vec<&str> {
+        vec!["penetration_force_n", "penetration_energy_mj"]
     }
 
     fn walls(&self) -> Vec<NamedWall> {
@@ -157,9 +157,9 @@ impl Device for Penetration {
             ..Motion::default()
         };
         let mut plan = Plan::new(vec![Phase {
-            motions: vec![("probe", down)],
+            motions: vec![("probe".into(), down)],
             end: End::Pressed {
-                wall: "probe",
+                wall: "probe".into(),
                 depth: self.depth.si(),
             },
             ..Phase::named("penetration")

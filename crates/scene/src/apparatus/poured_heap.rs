@@ -50,8 +50,8 @@ impl Device for PouredHeap {
         Ok(())
     }
 
-    fn observables(&self) -> &'static [&'static str] {
-        &[
+    fn observables(&self) -> Vec<&str> {
+        vec![
             "angle_of_repose_deg",
             "angle_by_position_deg",
             "height_mm",
@@ -135,7 +135,7 @@ impl Device for PouredHeap {
         let mut all = read_round_heap(spheres, largest_radius);
         for values in &mut all {
             if values.name == "angle_of_repose_deg" {
-                values.name = "angle_by_position_deg";
+                values.name = "angle_by_position_deg".into();
             }
         }
         all

@@ -67,6 +67,19 @@ pub(super) fn between_circles([r0, y0]: [f64; 2], [r1, y1]: [f64; 2]) -> Vec<Cor
     (0..SIDES).flat_map(side).filter(has_area).collect()
 }
 
+/// [`between_circles`] about the x (0), y (1) or z axis (2): each circle a radius and a place along the axis, m.
+pub(super) fn between_circles_about(axis: usize, from: [f64; 2], to: [f64; 2]) -> Vec<Corners> {
+    let turned = |corner: Vector3<f64>| {
+        let mut turned = Vector3::zeros();
+        for k in 0..3 {
+            turned[(axis + 2 + k) % 3] = corner[k];
+        }
+        turned
+    };
+    let triangles = between_circles(from, to).into_iter();
+    triangles.map(|corners| corners.map(turned)).collect()
+}
+
 /// A level rectangle at a height y over ranges of x and z, m.
 pub(super) fn level([x0, x1]: [f64; 2], y: f64, [z0, z1]: [f64; 2]) -> Vec<Corners> {
     let at = |x, z| Vector3::new(x, y, z);
@@ -80,7 +93,7 @@ pub(super) fn upright(x: f64, [y0, y1]: [f64; 2], [z0, z1]: [f64; 2]) -> Vec<Cor
 }
 
 /// Two triangles between four corners of a plane.
-fn quadrangle([a, b, c, d]: [Vector3<f64>; 4]) -> Vec<Corners> {
+pub(super) fn quadrangle([a, b, c, d]: [Vector3<f64>; 4]) -> Vec<Corners> {
     vec![[a, b, c], [a, c, d]]
 }
 

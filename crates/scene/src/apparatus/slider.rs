@@ -33,8 +33,8 @@ impl Device for Slider {
         Ok(())
     }
 
-    fn observables(&self) -> &'static [&'static str] {
-        &["shown_static_friction"]
+    fn observables(&self) -> Vec<&str> {
+        vec!["shown_static_friction"]
     }
 
     fn bench_test(&self) -> Option<BenchTest<'_>> {

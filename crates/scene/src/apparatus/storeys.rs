@@ -58,8 +58,8 @@ impl Storeys<'_> {
         ];
         let floor = self.floor.iter();
         walls.extend(floor.map(|(name, range)| (*name, slab(*range, 0.0))));
-        let named = |(name, shape)| NamedWall {
-            name,
+        let named = |(name, shape): (&str, _)| NamedWall {
+            name: name.into(),
             shape,
             material: self.material.to_owned(),
             spin: 0.0,
@@ -79,7 +79,7 @@ impl Storeys<'_> {
     pub(super) fn plan(&self, gravity: f64) -> Plan {
         let fall = (2.0 * self.drop / gravity).sqrt();
         let mut plan = Plan::new(vec![Phase {
-            removed: vec!["gate"],
+            removed: vec!["gate".into()],
             end: End::AtRest {
                 after: SHORTEST + fall,
             },

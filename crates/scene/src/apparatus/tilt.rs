@@ -33,8 +33,8 @@ impl Device for Tilt {
         Ok(())
     }
 
-    fn observables(&self) -> &'static [&'static str] {
-        &["shown_rolling_friction", "slid_share", "held_share"]
+    fn observables(&self) -> Vec<&str> {
+        vec!["shown_rolling_friction", "slid_share", "held_share"]
     }
 
     fn bench_test(&self) -> Option<BenchTest<'_>> {

@@ -39,7 +39,7 @@ fn run_scene(scene: &Scene) -> RunResult {
     let result = run(scene, &FillingLibrary::default(), 1).expect("a run");
     let known = scene.observables();
     for found in &result.observables {
-        assert!(known.contains(&found.name), "{}", found.name);
+        assert!(known.contains(&&*found.name), "{}", found.name);
     }
     result
 }

@@ -8,6 +8,7 @@ mod bonded;
 mod coarse;
 mod factory;
 mod limits;
+mod machine;
 mod numbers;
 mod phases;
 mod readings;

@@ -115,7 +115,7 @@ fn a_reduced_scene_runs_the_same() {
         assert_eq!(a.filling_angles, b.filling_angles, "{kind}");
         for found in &a.observables {
             let known = scene.observables();
-            assert!(known.contains(&found.name), "{} of {kind}", found.name);
+            assert!(known.contains(&&*found.name), "{} of {kind}", found.name);
         }
     }
 }

@@ -42,7 +42,7 @@ pub fn read_scene(
         let read = read_pile(&scene.apparatus, &spheres, largest);
         let told = read.iter().filter_map(|found| {
             let value = over_frames(&found.values, found.unit)?;
-            Some((found.name.to_owned(), value))
+            Some((found.name.to_string(), value))
         });
         return Ok(told.collect());
     }

@@ -68,7 +68,7 @@ fn observables(result: &RunResult, surface: &SurfaceReadings) -> BTreeMap<String
     let others = result
         .observables
         .iter()
-        .map(|f| (f.name, f.unit, &f.values));
+        .map(|f| (f.name.as_ref(), f.unit, &f.values));
     let all = means.into_iter().chain(others);
     let mut observables = surface.observables();
     observables.extend(
