@@ -7,8 +7,8 @@ use crate::diagnosis::Whitener;
 use crate::joint_fit::{JointFit, Minimum};
 use crate::{Error, Estimate, FitTest, InputEstimate, Prior};
 use probability::{f_upper_tail, normal_quantile, t_two_sided_quantile};
-pub(crate) use uncertainty::Uncertainty;
 use uncertainty::is_open;
+pub(crate) use uncertainty::{SHARE, Uncertainty};
 use weights::variance_dof;
 
 /// Chance of the two tails outside an interval.

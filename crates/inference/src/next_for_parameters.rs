@@ -2,27 +2,32 @@
 //!
 //! # Formula
 //!
-//! Each candidate is run at the estimate and about it. The plane through its runs joins the fit as a measurement of the standard error
-//! that the candidate would have, with the value that the plane has at the estimate. Along an open combination v, in widths of the
-//! limits, the fit then has the standard error s = sqrt(v'C v). The separation of the candidate is the extent of the set of solutions along v
-//! over s: how many standard errors apart it puts the two ends of what agrees with all measurements so far. Candidates are ranked by what
-//! they add per minute to the sum of squared separations, each counted up to that which would do.
+//! Along an open combination the set of solutions reaches from one end to the other. Each candidate is run at [`STATIONS`] points of the set
+//! from end to end, twice each: at t from -1/2 to 1/2. A parabola through the values y of an observable gives its slope dy/dt, of which the
+//! least over the set counts, since a candidate that is flat in a part of it leaves that part open:
+//!
+//! `D² = min over t of the sum over observables of ((dy/dt)² - v) / max(se², s²/n)`
+//!
+//! se is the standard error that the measured mean would have, s the standard deviation of a single run about the parabola, n the number of
+//! repeats (n repeats of a bench whose runs scatter by s are not known better than s/sqrt(n)), and v the variance of the slope. D tells how many
+//! standard errors apart the candidate puts the two ends if all of the set is as poorly told apart as its worst part. With the separation N
+//! that the ends have now, that with the candidate is sqrt(N² + D²). Candidates are ranked by what they add per minute to the sum of squared
+//! separations, each counted up to that which would do.
 
 use crate::calibrate::Estimated;
 use crate::confirmation::Confirmed;
-use crate::designs::{placed, slope_design};
 use crate::diagnosis::SEPARATION_TO_REACH;
-use crate::intervals::{Uncertainty, best_of};
-use crate::joint::planes;
-use crate::joint_fit::JointFit;
+use crate::intervals::SHARE;
 use crate::region::Region;
-use crate::samples::{Asked, Runner, Samples, Wanted, first_seed, request, wanted};
-use crate::surface::Surface;
-use crate::{
-    CalibrationProblem, Candidate, Error, Estimate, Measurement, Parameter, PlannedStage, Role,
-    RunList, most_runs_of_diagnosis,
+use crate::samples::{
+    Asked, Runner, Sample, Samples, Wanted, first_seed, of_regime, request, usual_regime, wanted,
 };
-use nalgebra::{DMatrix, DVector};
+use crate::search::Found;
+use crate::{
+    CalibrationProblem, Candidate, Error, Measurement, Parameter, PlannedStage, Role, RunList,
+    most_runs_of_diagnosis,
+};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -30,10 +35,12 @@ use std::collections::BTreeMap;
 pub(crate) const NAME: &str = "what to measure next";
 /// Stage number: sets the seeds.
 const STAGE: u64 = 90;
-/// Half width of the box about the estimate, in standard errors of the parameter.
-const STANDARD_ERRORS: f64 = 2.0;
-/// Its least half width, as a share of half the box of the file: a slope over less is noise.
-const LEAST_SHARE: f64 = 0.3;
+/// Points of the set at which a candidate is run: two more than a parabola needs.
+const STATIONS: usize = 5;
+/// Runs at each: their scatter is that of a single experiment.
+const RUNS: usize = 2;
+/// Places at which the slope of the parabola is looked at.
+const PLACES: usize = 21;
 
 /// Candidates in the order of what they would say about the open combinations of parameters.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -58,7 +65,8 @@ pub struct RankedMeasurement {
     pub minutes: f64,
     /// Smallest separation of the ends of the open combinations with it, standard errors.
     pub separation: f64,
-    /// Standard error that each parameter would have with it, unit of the parameter; `None` if it stays open.
+    /// Standard error that each parameter would have if the candidate told the place along the open combinations alone, unit of the
+    /// parameter; `None` if it stays open.
     pub standard_errors: BTreeMap<String, Option<f64>>,
     /// Runs that were done at it.
     pub runs: usize,
@@ -67,45 +75,42 @@ pub struct RankedMeasurement {
 }
 
 /// The stage with the runs that it may need; `None` if the problem states no candidates.
-pub(crate) fn planned_next(asked: Asked<'_>) -> Result<Option<PlannedStage>, Error> {
-    let Some(problem) = with_candidates(asked.problem) else {
-        return Ok(None);
-    };
-    let region = Region::first(&problem.parameters);
+pub(crate) fn planned_next(asked: Asked<'_>) -> Option<PlannedStage> {
+    let problem = with_candidates(asked.problem)?;
+    let middle = Region::first(&problem.parameters).middle();
     let all = Asked {
         problem: &problem,
         ..asked
     };
-    let (list, _) = candidate_runs(all, asked.problem.models.len(), (&region.middle(), &region))?;
+    let stations = [vec![middle; STATIONS]];
+    let list = candidate_runs(all, asked.problem.models.len(), &stations);
     let requests = list.iter().map(|w| request(&problem, w)).collect();
-    Ok(Some(PlannedStage {
+    Some(PlannedStage {
         stage: NAME.to_owned(),
         certain: Vec::new(),
         further: vec![RunList::once(requests)],
-    }))
+    })
 }
 
 /// Runs the candidates of a problem and ranks them; `None` if it states none or nothing is open.
 ///
 /// # Errors
 ///
-/// A campaign that was stopped, a covariance that is not positive definite.
+/// A campaign that was stopped.
 pub(crate) fn next_for_parameters(
     runner: &Runner<'_>,
     confirmed: &Confirmed,
     estimate: &Estimated,
     spent: usize,
 ) -> Result<Option<NextForParameters>, Error> {
-    let Some(mut problem) = with_candidates(runner.problem) else {
+    let Some(problem) = with_candidates(runner.problem) else {
         return Ok(None);
     };
-    let found = &confirmed.found;
-    let open = Open::of(runner.problem, found.free.as_slice(), estimate);
+    let open = Open::of(runner.problem, &confirmed.found, estimate);
     if open.directions.is_empty() {
         return Ok(None);
     }
     let first = runner.problem.models.len();
-    let region = region_about(runner.problem, &found.best, &estimate.parameters);
     let own = Runner {
         asked: Asked {
             problem: &problem,
@@ -113,7 +118,8 @@ pub(crate) fn next_for_parameters(
         },
         ..*runner
     };
-    let (list, n_at) = candidate_runs(own.asked, first, (&found.best, &region))?;
+    let stations: Vec<_> = open.directions.iter().map(|d| d.stations.clone()).collect();
+    let list = candidate_runs(own.asked, first, &stations);
     let now = open.squared(&estimate.uncertainty.covariance);
     let mut next = NextForParameters {
         now: least(&now),
@@ -126,32 +132,35 @@ pub(crate) fn next_for_parameters(
         next.left_out = names.collect();
         return Ok(Some(next));
     }
-    let [at_estimate, about] = own.run_parts(&list, n_at)?;
-    let models: Vec<usize> = (first..problem.models.len()).collect();
-    let planes = planes(own.asked, &models, &region, &about, &at_estimate);
-    for m in &mut problem.measurements[runner.problem.measurements.len()..] {
-        let place = planes.get(&m.model).and_then(|s| s.place(&m.observable));
-        if let Some((surface, place)) = planes.get(&m.model).zip(place) {
-            m.mean = surface.value(place, &found.best);
-        }
-    }
+    let mut runs = own.run(&list)?;
     let mut gains = Vec::new();
-    for (candidate, model) in stated(runner.problem).zip(models) {
-        let runs = [&at_estimate, &about].map(|part| part.get(&model));
-        let Some(plane) = planes.get(&model) else {
+    for (candidate, model) in stated(runner.problem).zip(first..) {
+        let samples = runs.remove(&model).unwrap_or_default();
+        let regime = usual_regime(&samples.done);
+        let (usual, _) = of_regime(&samples.done, &regime);
+        let added: Option<Vec<f64>> = open
+            .directions
+            .iter()
+            .map(|direction| added_square(candidate, direction, &usual))
+            .collect();
+        let Some(added) = added else {
             let name = candidate.model.name.clone();
-            next.left_out.insert(name, failure(runs));
+            next.left_out.insert(name, failure(&samples));
             continue;
         };
-        let uncertainty = joined(&problem, confirmed, plane)?;
-        let squares = open.squared(&uncertainty.covariance);
+        let squares: Vec<f64> = now.iter().zip(&added).map(|(n, a)| n + a).collect();
         let gain = (capped(&squares) - capped(&now)) / candidate.minutes;
-        let tuned = runner.problem.tuned();
-        let separation = least(&squares);
-        gains.push((
-            gain,
-            ranked((candidate, separation), &uncertainty, tuned, runs),
-        ));
+        let covariance = open.with(&estimate.uncertainty.covariance, &added);
+        let errors = open.standard_errors(runner.problem.tuned(), &covariance, &squares);
+        let ranked = RankedMeasurement {
+            name: candidate.model.name.clone(),
+            minutes: candidate.minutes,
+            separation: least(&squares),
+            standard_errors: errors,
+            runs: samples.done.len(),
+            keys: samples.done.iter().map(|s| s.key.clone()).collect(),
+        };
+        gains.push((gain, ranked));
     }
     // A stable sort: equal ones stay in the order of the file.
     gains.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -159,24 +168,66 @@ pub(crate) fn next_for_parameters(
     Ok(Some(next))
 }
 
-/// A candidate with the separation and the errors that the parameters would have with it, and its runs.
-fn ranked(
-    (candidate, separation): (&Candidate, f64),
-    uncertainty: &Uncertainty,
-    tuned: &[Parameter],
-    runs: [Option<&Samples>; 2],
-) -> RankedMeasurement {
-    let done = || runs.into_iter().flatten().flat_map(|s| &s.done);
-    let errors = tuned.iter().enumerate();
-    RankedMeasurement {
-        name: candidate.model.name.clone(),
-        minutes: candidate.minutes,
-        separation,
-        standard_errors: errors
-            .map(|(j, p)| (p.symbol.clone(), uncertainty.standard_error(j, p)))
-            .collect(),
-        runs: done().count(),
-        keys: done().map(|sample| sample.key.clone()).collect(),
+/// Square of D of the module's formula, of runs of a candidate along a combination; `None` if too few of them gave values.
+fn added_square(candidate: &Candidate, direction: &Direction, runs: &[&Sample]) -> Option<f64> {
+    if direction.extent <= 0.0 {
+        return Some(0.0);
+    }
+    let places: Vec<f64> = runs.iter().map(|run| direction.place(&run.at)).collect();
+    let errors = candidate.standard_errors.iter();
+    let curves: Option<Vec<Curve>> = errors
+        .map(|(observable, se)| {
+            let values = runs.iter().map(|run| run.values.get(observable).copied());
+            let values: Option<Vec<f64>> = values.collect();
+            Curve::of(&places, &values?, (*se, candidate.repeats))
+        })
+        .collect();
+    let curves = curves?;
+    let at = |k: usize| {
+        let t = k as f64 / (PLACES - 1) as f64 - 0.5;
+        curves.iter().map(|curve| curve.information(t)).sum::<f64>()
+    };
+    Some((0..PLACES).map(at).fold(f64::INFINITY, f64::min))
+}
+
+/// A parabola through the values of an observable along the set of solutions.
+struct Curve {
+    /// Coefficients of 1, t, t².
+    coefficients: Vector3<f64>,
+    /// Their covariance.
+    covariance: Matrix3<f64>,
+    /// Square of the standard error of the mean that a measurement would give.
+    square_error: f64,
+}
+
+impl Curve {
+    /// Least squares through values at places t; the standard error that a measured mean would have by the file, and its number of repeats.
+    /// `None` of fewer than four values, or of fewer than three places.
+    fn of(places: &[f64], values: &[f64], (se, repeats): (f64, f64)) -> Option<Self> {
+        let row = |t: f64| Vector3::new(1.0, t, t * t);
+        let freedom = values.len().checked_sub(3).filter(|d| *d > 0)?;
+        let normal: Matrix3<f64> = places.iter().map(|t| row(*t) * row(*t).transpose()).sum();
+        let right: Vector3<f64> = places.iter().zip(values).map(|(t, y)| row(*t) * *y).sum();
+        let inverse = normal
+            .try_inverse()
+            .filter(|m| m.iter().all(|x| x.is_finite()))?;
+        let coefficients = inverse * right;
+        let residual = |(t, y): (&f64, &f64)| y - row(*t).dot(&coefficients);
+        let squares = places.iter().zip(values).map(|pair| residual(pair).powi(2));
+        let variance = squares.sum::<f64>() / freedom as f64;
+        Some(Self {
+            coefficients,
+            covariance: inverse * variance,
+            square_error: (se * se).max(variance / repeats),
+        })
+    }
+
+    /// Square of the slope at a place without its noise, over that of the error of a measurement.
+    fn information(&self, t: f64) -> f64 {
+        let row = Vector3::new(0.0, 1.0, 2.0 * t);
+        let slope = row.dot(&self.coefficients);
+        let variance = row.dot(&(self.covariance * row));
+        (slope * slope - variance).max(0.0) / self.square_error
     }
 }
 
@@ -207,41 +258,20 @@ fn with_candidates(problem: &CalibrationProblem) -> Option<CalibrationProblem> {
     (all.models.len() > problem.models.len()).then_some(all)
 }
 
-/// The box about the estimate: that of the file along parameters that are open.
-fn region_about(problem: &CalibrationProblem, at: &[f64], estimates: &[Estimate]) -> Region {
-    let half = |(j, p): (usize, &Parameter)| {
-        let whole = 0.5 * (p.range[1] - p.range[0]);
-        let se = estimates.get(j).and_then(|estimate| estimate.se);
-        se.map_or(whole, |se| {
-            (STANDARD_ERRORS * se).clamp(LEAST_SHARE * whole, whole)
-        })
-    };
-    let half: Vec<f64> = problem.parameters.iter().enumerate().map(half).collect();
-    Region::about(at, &half, &problem.parameters)
-}
-
-/// Runs of the models from `first` on at the estimate, and behind them those about it; the number of the former.
-fn candidate_runs(
-    asked: Asked<'_>,
-    first: usize,
-    (at, region): (&[f64], &Region),
-) -> Result<(Vec<Wanted>, usize), Error> {
+/// Runs of the models from `first` on at the stations of each combination.
+fn candidate_runs(asked: Asked<'_>, first: usize, stations: &[Vec<Vec<f64>>]) -> Vec<Wanted> {
     let Asked { problem, settings } = asked;
-    let (mut at_estimate, mut about) = (Vec::new(), Vec::new());
+    let mut all = Vec::new();
     for model in first..problem.models.len() {
-        let seed = first_seed(settings, STAGE, model);
-        let n = settings.check_runs.max(2);
-        at_estimate.extend(wanted(seed, (model, 1.0), &vec![at.to_vec(); n]));
-        let active = problem.tuned_of(model);
-        if !active.is_empty() {
-            let rows = slope_design(&problem.symbols(&active), settings.seed)?;
-            let points = placed(&rows, &active, region, &problem.parameters);
-            about.extend(wanted(seed + n as u64, (model, 1.0), &points));
-        }
+        let each = stations.iter().flatten();
+        let points: Vec<_> = each.flat_map(|at| vec![at.clone(); RUNS]).collect();
+        all.extend(wanted(
+            first_seed(settings, STAGE, model),
+            (model, 1.0),
+            &points,
+        ));
     }
-    let n_at = at_estimate.len();
-    at_estimate.extend(about);
-    Ok((at_estimate, n_at))
+    all
 }
 
 /// Why the budget does not allow so many runs after those that were spent; `None` if it does.
@@ -253,57 +283,93 @@ fn beyond_budget(asked: Asked<'_>, spent: usize, runs: usize) -> Option<String> 
     })
 }
 
-/// The uncertainty of the fit with a further measured plane.
-fn joined(
-    problem: &CalibrationProblem,
-    confirmed: &Confirmed,
-    plane: &Surface,
-) -> Result<Uncertainty, Error> {
-    let found = &confirmed.found;
-    let mut surfaces = found.surfaces.clone();
-    surfaces.push(plane.clone());
-    let fit = JointFit::new(problem, &found.region, &surfaces, &[Role::Fit, Role::Check]);
-    let best = best_of(&found.minima)?;
-    let whitening = fit.whitening(&fit.natural(&best.coded))?;
-    Ok(Uncertainty::new(&fit, best, &whitening))
-}
-
-/// Why a candidate has no plane.
-fn failure(runs: [Option<&Samples>; 2]) -> String {
-    let failed = runs.into_iter().flatten().flat_map(|s| &s.failed);
-    let mut reasons = failed.map(|(_, reason)| reason.clone());
-    let reason = reasons.next();
+/// Why a candidate has too few values.
+fn failure(samples: &Samples) -> String {
+    let reason = samples.failed.first().map(|(_, reason)| reason.clone());
     reason.unwrap_or_else(|| "its runs end up in different regimes".to_owned())
 }
 
 /// The combinations of parameters that a fit leaves open.
 struct Open {
-    /// Directions in widths of the limits, with the extent of the set of solutions along each.
-    directions: Vec<(DVector<f64>, f64)>,
+    directions: Vec<Direction>,
     /// Widths of the limits.
     widths: Vec<f64>,
 }
 
+/// A combination, and the set of solutions along it.
+struct Direction {
+    /// Unit vector in widths of the limits.
+    weights: DVector<f64>,
+    /// Widths of the limits, as those of [`Open`].
+    widths: Vec<f64>,
+    /// Lower end of the set along it, in widths.
+    low: f64,
+    /// Distance of its ends, in widths.
+    extent: f64,
+    /// Points in the middle of the set from one end to the other, values of all parameters.
+    stations: Vec<Vec<f64>>,
+}
+
+impl Direction {
+    /// The set along a unit vector, from points of it.
+    fn new(weights: DVector<f64>, widths: &[f64], points: &[Vec<f64>], all: &[f64]) -> Self {
+        let mut direction = Self {
+            weights,
+            widths: widths.to_vec(),
+            low: 0.0,
+            extent: 0.0,
+            stations: Vec::new(),
+        };
+        let places: Vec<f64> = points.iter().map(|p| direction.along(p)).collect();
+        let low = places.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        // A set too narrow to be drawn from has no ends to tell apart.
+        if !(high > low) {
+            return direction;
+        }
+        (direction.low, direction.extent) = (low, high - low);
+        for k in 0..STATIONS {
+            let ends = [k, k + 1].map(|k| low + (high - low) * k as f64 / STATIONS as f64);
+            let of_part = points.iter().zip(&places);
+            let of_part = of_part.filter(|(_, u)| (ends[0]..=ends[1]).contains(u));
+            let of_part: Vec<_> = of_part.map(|(point, _)| point).collect();
+            if of_part.is_empty() {
+                continue;
+            }
+            // The mean of a part of the set lies in its middle. Inputs stay at the estimate.
+            let mut station = all.to_vec();
+            for (j, value) in station.iter_mut().enumerate().take(widths.len()) {
+                *value = of_part.iter().map(|p| p[j]).sum::<f64>() / of_part.len() as f64;
+            }
+            direction.stations.push(station);
+        }
+        direction
+    }
+
+    /// Place of a point along the combination, in widths.
+    fn along(&self, point: &[f64]) -> f64 {
+        let each = self.weights.iter().zip(point.iter().zip(&self.widths));
+        each.map(|(w, (x, width))| w * x / width).sum()
+    }
+
+    /// The same from -1/2 at the lower end to 1/2 at the upper one.
+    fn place(&self, point: &[f64]) -> f64 {
+        (self.along(point) - self.low) / self.extent - 0.5
+    }
+}
+
 impl Open {
-    fn of(problem: &CalibrationProblem, free: &[bool], estimate: &Estimated) -> Self {
+    fn of(problem: &CalibrationProblem, found: &Found, estimate: &Estimated) -> Self {
         let tuned = problem.tuned();
         let widths: Vec<f64> = tuned.iter().map(|p| p.limits[1] - p.limits[0]).collect();
-        let open = estimate.uncertainty.open_combinations(tuned, free);
+        let open = estimate
+            .uncertainty
+            .open_combinations(tuned, found.free.as_slice());
         let directions = open.iter().map(|combination| {
             let weight = |p: &Parameter| combination.weights.get(&p.symbol);
             let weights = tuned.iter().map(|p| weight(p).copied().unwrap_or(0.0));
-            let direction = DVector::from_iterator(tuned.len(), weights).normalize();
-            let along = |point: &Vec<f64>| -> f64 {
-                let each = direction.iter().zip(point.iter().zip(&widths));
-                each.map(|(w, (x, width))| w * x / width).sum()
-            };
-            let ends = estimate.solutions.points.iter().map(along);
-            let ends = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
-                [low.min(x), high.max(x)]
-            });
-            // A set too narrow to be drawn from has no ends to distinguish.
-            let extent = (ends[1] - ends[0]).max(0.0);
-            (direction, extent)
+            let weights = DVector::from_iterator(tuned.len(), weights).normalize();
+            Direction::new(weights, &widths, &estimate.solutions.points, &found.best)
         });
         Self {
             directions: directions.collect(),
@@ -311,15 +377,59 @@ impl Open {
         }
     }
 
+    /// A covariance in widths of the limits.
+    fn scaled(&self, covariance: &DMatrix<f64>) -> DMatrix<f64> {
+        let n = self.widths.len();
+        DMatrix::from_fn(n, n, |i, j| {
+            covariance[(i, j)] / (self.widths[i] * self.widths[j])
+        })
+    }
+
     /// Squared separation of the ends of each combination with a covariance of all parameters.
     fn squared(&self, covariance: &DMatrix<f64>) -> Vec<f64> {
-        let n = self.widths.len();
-        let scaled = DMatrix::from_fn(n, n, |i, j| {
-            covariance[(i, j)] / (self.widths[i] * self.widths[j])
-        });
+        let scaled = self.scaled(covariance);
         let each = self.directions.iter();
-        each.map(|(v, extent)| extent * extent / v.dot(&(&scaled * v)))
+        each.map(|d| d.extent * d.extent / d.weights.dot(&(&scaled * &d.weights)))
             .collect()
+    }
+
+    /// Standard error of each parameter by a covariance; `None` if it takes part in a combination whose squared separation would not do.
+    fn standard_errors(
+        &self,
+        tuned: &[Parameter],
+        covariance: &DMatrix<f64>,
+        squares: &[f64],
+    ) -> BTreeMap<String, Option<f64>> {
+        let error = |(j, p): (usize, &Parameter)| {
+            let mut all = self.directions.iter().zip(squares);
+            let is_open = all.any(|(direction, square)| {
+                direction.weights[j].powi(2) > SHARE && square.sqrt() < SEPARATION_TO_REACH
+            });
+            let se = covariance[(j, j)].max(0.0).sqrt();
+            (p.symbol.clone(), (!is_open).then_some(se))
+        };
+        tuned.iter().enumerate().map(error).collect()
+    }
+
+    /// A covariance once the place along each combination, and nothing else, is known to its extent over D, by the squares of D.
+    ///
+    /// # Formula
+    ///
+    /// `C - C v v'C / (v'C v + (extent/D)²)` for each combination v.
+    fn with(&self, covariance: &DMatrix<f64>, squares: &[f64]) -> DMatrix<f64> {
+        let mut scaled = self.scaled(covariance);
+        for (direction, square) in self.directions.iter().zip(squares) {
+            if *square > 0.0 {
+                let column = &scaled * &direction.weights;
+                let known = direction.extent * direction.extent / square;
+                let whole = direction.weights.dot(&column) + known;
+                scaled -= &column * column.transpose() / whole;
+            }
+        }
+        let n = self.widths.len();
+        DMatrix::from_fn(n, n, |i, j| {
+            scaled[(i, j)] * self.widths[i] * self.widths[j]
+        })
     }
 }
 

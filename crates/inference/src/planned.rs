@@ -116,7 +116,7 @@ pub fn planned(
     stages.push(check);
     let spent = stages.iter().map(PlannedStage::runs).sum();
     stages.push(planned_diagnosis(problem, settings, spent));
-    stages.extend(planned_next(asked)?);
+    stages.extend(planned_next(asked));
     Ok(stages)
 }
 

@@ -83,11 +83,19 @@ pub struct Candidate {
     pub model: Model,
     /// Standard error that the mean of each of its observables would have, in its unit.
     pub standard_errors: BTreeMap<String, f64>,
+    /// Number of repeats of which these are the means.
+    #[serde(default = "one")]
+    pub repeats: f64,
     /// Work in the laboratory, min.
     pub minutes: f64,
     /// Whether nobody named it: it follows from the conditions that are measured, and is run for a diagnosis alone.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_suggested: bool,
+}
+
+/// A single one.
+fn one() -> f64 {
+    1.0
 }
 
 /// Everything that a calibration needs besides a simulator.

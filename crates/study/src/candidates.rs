@@ -234,6 +234,7 @@ pub(crate) fn of_scenes(
             candidates.push(Candidate {
                 model: models.models[k].clone(),
                 standard_errors,
+                repeats: offer.entry.and_then(|e| e.n).unwrap_or(1.0),
                 minutes: offer.minutes(),
                 is_suggested: offer.entry.is_none(),
             });

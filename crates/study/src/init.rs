@@ -1,43 +1,37 @@
 //! Commented studies to start from.
 
-/// A study to start from.
+/// A study to start from; all are in [`STARTERS`].
 ///
 /// ```
-/// use study::{Starter, Study};
+/// use study::{STARTERS, Study};
 /// let folder = tempfile::tempdir()?;
-/// for file in Starter::Heap.files() {
+/// let heap = STARTERS.iter().find(|starter| starter.name == "heap").ok_or("no heap")?;
+/// for file in heap.files() {
 ///     std::fs::write(folder.path().join(file.name), file.text)?;
 /// }
 /// let study = Study::read(&folder.path().join("study.toml"), None)?;
 /// assert!(!study.problem.parameters.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Starter {
-    /// A rotating drum.
-    Drum,
-    /// A heap from a cylinder that is lifted.
-    Heap,
-    /// A box whose gate is lifted.
-    Box,
-    /// A hopper.
-    Hopper,
-    /// A draw-down box.
-    DrawDown,
-    /// A poured heap.
-    PouredHeap,
-    /// A plate over whose ends a bed is discharged.
-    Ledge,
-    /// A cup that is filled, struck off and tapped.
-    BulkDensity,
-    /// A bed under a piston.
-    Compression,
-    /// A shear box.
-    DirectShear,
-    /// A probe pressed into a bed.
-    Penetration,
-    /// Several benches with the same seeds.
-    Benches,
+#[derive(Debug, Clone, Copy)]
+pub struct Starter {
+    /// Name: the kind of its apparatus, or `benches`.
+    pub name: &'static str,
+    /// What is measured in, in words.
+    pub about: &'static str,
+    /// Text of the study.
+    study: Text,
+    /// Name of the scene, without its extension, and its text.
+    scene: [&'static str; 2],
+}
+
+/// Text of a study.
+#[derive(Debug, Clone, Copy)]
+enum Text {
+    /// As it is.
+    Whole(&'static str),
+    /// Of one bench: its parameter, and measurements with example values.
+    OfBench([&'static str; 2]),
 }
 
 /// A file of a study to start from.
@@ -47,15 +41,6 @@ pub struct StarterFile {
     pub name: String,
     /// Content.
     pub text: String,
-}
-
-/// The parameter, and the measurements with example values, of a study of one bench.
-struct Bench {
-    /// Name of the apparatus.
-    kind: &'static str,
-    scene: &'static str,
-    parameter: &'static str,
-    measured: &'static str,
 }
 
 /// A file of the benches.
@@ -87,99 +72,98 @@ unit = "MPa"
 low = 2.0
 high = 8.0"#;
 
+/// A study of one bench, with its measurements from a file.
+macro_rules! bench {
+    ($name:literal, $about:literal, $parameter:expr) => {
+        Starter {
+            name: $name,
+            about: $about,
+            study: Text::OfBench([
+                $parameter,
+                include_str!(concat!("init/", $name, "-measured.toml")),
+            ]),
+            scene: [$name, of_benches!($name)],
+        }
+    };
+}
+
+/// A study and a scene of their own.
+macro_rules! whole {
+    ($name:literal, $about:literal) => {
+        Starter {
+            name: $name,
+            about: $about,
+            study: Text::Whole(include_str!(concat!("init/", $name, "-study.toml"))),
+            scene: [$name, include_str!(concat!("init/", $name, ".toml"))],
+        }
+    };
+}
+
+/// All studies to start from.
+pub const STARTERS: &[Starter] = &[
+    whole!("drum", "A rotating drum, angles at two speeds"),
+    whole!("heap", "A heap from a cylinder that is lifted"),
+    whole!("box", "A box whose gate is lifted"),
+    bench!(
+        "hopper",
+        "A hopper that is emptied through its opening",
+        FRICTION_OF_BEADS
+    ),
+    bench!(
+        "draw-down",
+        "A box whose seeds fall through a slot on a second floor",
+        FRICTION_OF_PEAS
+    ),
+    bench!("poured-heap", "A heap that is poured", FRICTION_OF_PEAS),
+    bench!(
+        "ledge",
+        "A plate over whose ends a bed is discharged",
+        FRICTION_OF_PEAS
+    ),
+    bench!(
+        "bulk-density",
+        "A cup that is filled, struck off and tapped",
+        FRICTION_OF_BEADS
+    ),
+    bench!("compression", "A bed under a piston", STIFFNESS_OF_PEAS),
+    bench!("direct-shear", "A shear box", FRICTION_OF_PEAS),
+    bench!(
+        "penetration",
+        "A probe pressed into a bed",
+        FRICTION_OF_BEADS
+    ),
+    bench!(
+        "machine",
+        "A rig of your own: walls, phases and probes",
+        FRICTION_OF_PEAS
+    ),
+    Starter {
+        name: "benches",
+        about: "Several benches with the same seeds, with the question what to measure next",
+        study: Text::Whole(of_benches!("study")),
+        scene: ["drum", of_benches!("drum")],
+    },
+];
+
 impl Starter {
     /// The study, its scene, and the job script of a cluster.
-    pub fn files(self) -> [StarterFile; 3] {
+    pub fn files(&self) -> [StarterFile; 3] {
         let file = |name: &str, text: &str| StarterFile {
             name: name.to_owned(),
             text: text.to_owned(),
         };
-        let [study, scene] = match self {
-            Self::Drum => [
-                file("study.toml", include_str!("init/drum-study.toml")),
-                file("drum.toml", include_str!("init/drum.toml")),
-            ],
-            Self::Heap => [
-                file("study.toml", include_str!("init/heap-study.toml")),
-                file("heap.toml", include_str!("init/heap.toml")),
-            ],
-            Self::Box => [
-                file("study.toml", include_str!("init/box-study.toml")),
-                file("box.toml", include_str!("init/box.toml")),
-            ],
-            Self::Benches => [
-                file("study.toml", of_benches!("study")),
-                file("drum.toml", of_benches!("drum")),
-            ],
-            _ => {
-                let bench = self.bench();
-                let study = include_str!("init/bench-study.toml")
-                    .replace("KIND", bench.kind)
-                    .replace("PARAMETER", bench.parameter)
-                    .replace("MEASURED", &bench.measured.replace("KIND", bench.kind));
-                let name = format!("{}.toml", bench.kind);
-                [file("study.toml", &study), file(&name, bench.scene)]
-            }
+        let [kind, scene] = self.scene;
+        let study = match self.study {
+            Text::Whole(text) => text.to_owned(),
+            Text::OfBench([parameter, measured]) => include_str!("init/bench-study.toml")
+                .replace("KIND", kind)
+                .replace("PARAMETER", parameter)
+                .replace("MEASURED", &measured.replace("KIND", kind)),
         };
         [
-            study,
-            scene,
+            file("study.toml", &study),
+            file(&format!("{kind}.toml"), scene),
             file("cluster.sh", include_str!("init/cluster.sh")),
         ]
-    }
-
-    /// What differs between the studies of one bench.
-    fn bench(self) -> Bench {
-        match self {
-            Self::DrawDown => Bench {
-                kind: "draw-down",
-                scene: of_benches!("draw-down"),
-                parameter: FRICTION_OF_PEAS,
-                measured: include_str!("init/draw-down-measured.toml"),
-            },
-            Self::PouredHeap => Bench {
-                kind: "poured-heap",
-                scene: of_benches!("poured-heap"),
-                parameter: FRICTION_OF_PEAS,
-                measured: include_str!("init/poured-heap-measured.toml"),
-            },
-            Self::Ledge => Bench {
-                kind: "ledge",
-                scene: of_benches!("ledge"),
-                parameter: FRICTION_OF_PEAS,
-                measured: include_str!("init/ledge-measured.toml"),
-            },
-            Self::BulkDensity => Bench {
-                kind: "bulk-density",
-                scene: of_benches!("bulk-density"),
-                parameter: FRICTION_OF_BEADS,
-                measured: include_str!("init/bulk-density-measured.toml"),
-            },
-            Self::Compression => Bench {
-                kind: "compression",
-                scene: of_benches!("compression"),
-                parameter: STIFFNESS_OF_PEAS,
-                measured: include_str!("init/compression-measured.toml"),
-            },
-            Self::DirectShear => Bench {
-                kind: "direct-shear",
-                scene: of_benches!("direct-shear"),
-                parameter: FRICTION_OF_PEAS,
-                measured: include_str!("init/direct-shear-measured.toml"),
-            },
-            Self::Penetration => Bench {
-                kind: "penetration",
-                scene: of_benches!("penetration"),
-                parameter: FRICTION_OF_BEADS,
-                measured: include_str!("init/penetration-measured.toml"),
-            },
-            // The others have files of their own.
-            _ => Bench {
-                kind: "hopper",
-                scene: of_benches!("hopper"),
-                parameter: FRICTION_OF_BEADS,
-                measured: include_str!("init/hopper-measured.toml"),
-            },
-        }
     }
 }

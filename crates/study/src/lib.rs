@@ -45,7 +45,7 @@ pub use design_table::{DesignChoices, DesignPlan, DesignRun, DesignTable};
 pub use error::Error;
 pub use file::{Budget, CompareEntry, MeasuredCorrelation, MeasuredValue, StudyFile};
 pub use hand_over::{parameter_file, write_hand_over, write_json, write_result};
-pub use init::{Starter, StarterFile};
+pub use init::{STARTERS, Starter, StarterFile};
 pub use next::NextRow;
 pub use photos::PhotoSeries;
 pub use price::{Price, StagePrice};

@@ -1,59 +1,21 @@
 //! `seedloop init`: a commented study to start from.
 
 use anyhow::Context as _;
-use clap::ValueEnum;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use command_line::{Common, DONE, try_folder, write_new};
 use serde::Serialize;
 use std::path::PathBuf;
-use study::Starter;
+use study::{STARTERS, Starter};
 
-/// What the study measures in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Kind {
-    /// A rotating drum, angles at two speeds
-    Drum,
-    /// A heap from a cylinder that is lifted
-    Heap,
-    /// A box whose gate is lifted
-    Box,
-    /// A hopper that is emptied through its opening
-    Hopper,
-    /// A box whose seeds fall through a slot on a second floor
-    DrawDown,
-    /// A heap that is poured
-    PouredHeap,
-    /// A plate over whose ends a bed is discharged
-    Ledge,
-    /// A cup that is filled, struck off and tapped
-    BulkDensity,
-    /// A bed under a piston
-    Compression,
-    /// A shear box
-    DirectShear,
-    /// A probe pressed into a bed
-    Penetration,
-    /// Several benches with the same seeds, with the question what to measure next
-    Benches,
-}
-
-impl Kind {
-    /// The study that it starts from.
-    fn starter(self) -> Starter {
-        match self {
-            Self::Drum => Starter::Drum,
-            Self::Heap => Starter::Heap,
-            Self::Box => Starter::Box,
-            Self::Hopper => Starter::Hopper,
-            Self::DrawDown => Starter::DrawDown,
-            Self::PouredHeap => Starter::PouredHeap,
-            Self::Ledge => Starter::Ledge,
-            Self::BulkDensity => Starter::BulkDensity,
-            Self::Compression => Starter::Compression,
-            Self::DirectShear => Starter::DirectShear,
-            Self::Penetration => Starter::Penetration,
-            Self::Benches => Starter::Benches,
-        }
-    }
+/// The starters as values of an argument.
+fn starters() -> impl TypedValueParser<Value = &'static Starter> {
+    let value = |starter: &Starter| PossibleValue::new(starter.name).help(starter.about);
+    PossibleValuesParser::new(STARTERS.iter().map(value)).try_map(|name| {
+        STARTERS
+            .iter()
+            .find(|s| s.name == name)
+            .ok_or("no such study")
+    })
 }
 
 /// Writes a commented study to start from, its scene, and the job script of a cluster
@@ -61,8 +23,8 @@ impl Kind {
 #[command(after_help = "Example:\n  seedloop init drum --out my-drum")]
 pub(crate) struct Arguments {
     /// What the study measures in
-    #[arg(value_enum)]
-    kind: Kind,
+    #[arg(value_parser = starters())]
+    kind: &'static Starter,
 
     /// Folder for the files
     #[arg(long, value_name = "DIR", default_value = ".")]
@@ -88,7 +50,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let (folder, common) = (&arguments.out, &arguments.common);
     common.try_outputs([])?;
     try_folder(folder)?;
-    let files = arguments.kind.starter().files();
+    let files = arguments.kind.files();
     for file in &files {
         let path = folder.join(&file.name);
         anyhow::ensure!(

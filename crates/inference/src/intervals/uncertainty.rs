@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 /// Half the width of the limits, in widths of them: a combination with such a half interval or a wider one is open.
 const OPEN: f64 = 0.5;
 /// Share of a parameter (its squared weights) in open combinations from which it counts as open itself.
-const SHARE: f64 = 0.1;
+pub(crate) const SHARE: f64 = 0.1;
 /// Most of the variance at an end of an interval that slopes which are not known exactly may make: the interval then doubles. Slopes
 /// that are known less are noise, and dropped as such.
 const MOST_BEYOND: f64 = 0.75;

@@ -13,6 +13,8 @@ fn law(name: &str, of: &dyn Fn(&str) -> f64) -> Result<Shown, String> {
         "drum" => 20.0 * f + 40.0 * r,
         "faster drum" => 2.0 + 20.0 * f + 40.0 * r,
         "hopper" => 60.0 - 30.0 * f,
+        "flat hopper" => 60.0 + 60.0 * (f - 0.45).min(0.0).powi(2),
+        "noisy hopper" => 60.0 - 30.0 * f + 8.0 * (1e4 * (f + 3.0 * r)).sin() * 2.0_f64.sqrt(),
         "shear box" => 30.0 * f + 10.0 * r,
         _ => return Err("the lid ejects the bed".into()),
     };
@@ -26,6 +28,7 @@ fn candidate(name: &str, minutes: f64) -> Candidate {
     Candidate {
         model: model(name, &[0, 1]),
         standard_errors: [("y".to_owned(), 0.5)].into(),
+        repeats: 5.0,
         minutes,
         is_suggested: false,
     }
@@ -59,10 +62,10 @@ fn order(found: &Calibration) -> Vec<&str> {
     next.ranked.iter().map(|r| r.name.as_str()).collect()
 }
 
-/// By hand, in widths of the limits: the drum ties F and R along (1, -1) / sqrt 2, on which F goes from 0.1 to 0.6 and R from 0.25 to 0,
-/// an extent of 0.707. With the hopper F is known to 0.5 / 30 and R to what the drum leaves, so that the standard error along it is
-/// sqrt((2 x 0.0167)² + 0.0125²) / sqrt 2 = 0.0252 and the separation 28.1; drawn points reach the ends of the set to some percent. The
-/// shear box separates as well and takes three times as long; a faster drum, the cheapest, leaves the tie.
+/// By hand: the drum ties F and R, so that F goes from 0.1 to 0.6 while R goes from 0.25 to 0. The hopper then changes by 15, 30 standard errors of
+/// 0.5; drawn points reach the ends of the set to some percent. F is known to 0.5 / 30 and R to what the drum leaves; that the hopper tells F and
+/// not the place along the tie alone makes up to a fifth of these errors. The shear box changes by 15 - 2.5, 25 standard errors, and takes three
+/// times as long; a faster drum, the cheapest, leaves the tie.
 #[test]
 fn the_apparatus_that_separates_two_frictions_comes_first() {
     let candidates = vec![
@@ -75,16 +78,33 @@ fn the_apparatus_that_separates_two_frictions_comes_first() {
     assert_eq!(order(&found), ["hopper", "shear box", "faster drum"]);
     let next = found.next_for_parameters.as_ref().unwrap();
     let [hopper, shear, drum] = [0, 1, 2].map(|k| &next.ranked[k]);
-    assert!((hopper.separation / 28.1 - 1.0).abs() < 0.06, "{next:?}");
-    assert!(shear.separation > next.needed, "{next:?}");
+    assert!((hopper.separation / 30.0 - 1.0).abs() < 0.06, "{next:?}");
+    assert!((shear.separation / 25.0 - 1.0).abs() < 0.06, "{next:?}");
     assert!(next.now < 4.0 && drum.separation < 4.0, "{next:?}");
     let [f, r] = ["F", "R"].map(|symbol| hopper.standard_errors[symbol].expect("closed"));
-    assert!((f / (0.5 / 30.0) - 1.0).abs() < 0.05, "{f}");
+    assert!((f / (0.5 / 30.0) - 1.0).abs() < 0.2, "{f}");
     let of_r = (0.25_f64.powi(2) + (20.0 * 0.5 / 30.0_f64).powi(2)).sqrt() / 40.0;
-    assert!((r / of_r - 1.0).abs() < 0.05, "{r}");
+    assert!((r / of_r - 1.0).abs() < 0.2, "{r}");
     assert_eq!(drum.standard_errors["F"], None);
     assert_eq!(hopper.runs, hopper.keys.len());
     assert_eq!(found.cost.last().unwrap().runs, 3 * hopper.runs);
+}
+
+/// What the slope at the estimate hides: a hopper that is flat above F = 0.45, as a small one was found to be, leaves the tie open there, whatever it
+/// tells below; and one whose single runs scatter by 8 is not known to 0.5 by five repeats, but to 8 / sqrt 5, so that its 15 are 4.2 standard
+/// errors, less the noise of ten runs.
+#[test]
+fn a_flat_or_noisy_apparatus_does_not_separate() {
+    let candidates = ["flat hopper", "noisy hopper", "hopper"].map(|name| candidate(name, 10.0));
+    let found = run(&TOY, &drum_alone(candidates.to_vec())).unwrap();
+    let next = found.next_for_parameters.as_ref().unwrap();
+    let separation = |name: &str| {
+        let ranked = next.ranked.iter().find(|r| r.name == name);
+        ranked.expect(name).separation
+    };
+    assert_eq!(order(&found)[0], "hopper");
+    assert!(separation("flat hopper") < 8.0, "{next:?}");
+    assert!(separation("noisy hopper") < 8.0, "{next:?}");
 }
 
 /// Once the first is measured, both frictions are those of the truth within their intervals, and nothing is asked any more.
