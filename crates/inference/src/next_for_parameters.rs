@@ -324,7 +324,7 @@ impl Direction {
         let low = places.iter().copied().fold(f64::INFINITY, f64::min);
         let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         // A set too narrow to be drawn from has no ends to tell apart.
-        if !(high > low) {
+        if high <= low {
             return direction;
         }
         (direction.low, direction.extent) = (low, high - low);

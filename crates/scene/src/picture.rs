@@ -95,7 +95,7 @@ fn in_section(scene: &Scene, bodies: &[Arc<SeedBody>], frame: &Frame) -> Result<
     let stays = |mesh: &NamedMesh| {
         let is_moved = |phase: &Phase| {
             phase.motions.iter().any(|(name, _)| *name == mesh.name)
-                || phase.removed.iter().any(|name| *name == mesh.name)
+                || phase.removed.contains(&mesh.name)
         };
         !phases.iter().any(is_moved)
     };

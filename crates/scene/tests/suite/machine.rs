@@ -210,6 +210,86 @@ fn friction_makes_a_paddle_hard_to_turn() {
     );
 }
 
+/// Parts of the text of a machine, what stands there instead, and the end of the name that the refusal tells.
+const WRONG: &[(&str, &str, &str)] = &[
+    (
+        "\"50 mm\", \"15.625 mm\"]]",
+        "\"-1 mm\", \"15.625 mm\"]]",
+        "apparatus.room",
+    ),
+    (
+        "room = ",
+        "sample_interval = \"3 ms\"\nroom = ",
+        "apparatus.sample_interval",
+    ),
+    (
+        "name = \"left end\"",
+        "name = \"floor\"",
+        "apparatus.wall.name",
+    ),
+    ("normal = [0, 1, 0]", "normal = [0, 0, 0]", "plane.normal"),
+    (
+        "[\"0 mm\", \"0 mm\", \"31.25 mm\"]]",
+        "[\"9 mm\", \"0 mm\", \"0 mm\"]]",
+        "rectangle.edges",
+    ),
+    (
+        "name = \"press\"",
+        "name = \"filling\"",
+        "apparatus.phase.name",
+    ),
+    ("force_n = 5", "force_n = -5", "load.force_n"),
+    (
+        "force_n = 5",
+        "force_n = 5, direction = [1, 0, 0]",
+        "load.wall",
+    ),
+    (
+        "force_n = 5",
+        "force_n = 5, direction = [0, 0, 0]",
+        "load.direction",
+    ),
+    (
+        "load = [{ wall = \"piston\"",
+        "load = [{ wall = \"floor\"",
+        "wall",
+    ),
+    ("end.after = \"0.1 s\"", "end.after = \"0 s\"", "end.after"),
+    (
+        "end.after = \"0.1 s\"",
+        "end.discharged = 0.0",
+        "end.discharged",
+    ),
+    (
+        "end.after = \"0.1 s\"",
+        "end.force = { wall = \"lid\", force_n = 1 }",
+        "name of a wall",
+    ),
+    ("load = [", "hold = [\"piston\"], load = [", "wall"),
+    ("load = [", "remove = [\"piston\"], load = [", "wall"),
+    (
+        "name = \"force_n\"",
+        "name = \"force\"",
+        "apparatus.probe.name",
+    ),
+    (
+        "walls = [\"piston\"]",
+        "walls = [\"lid\"]",
+        "name of a wall",
+    ),
+    (
+        "along = [0, 1, 0] } }",
+        "along = [0, 1, 0] }, phase = \"pull\" }",
+        "phase",
+    ),
+    (
+        "along = [0, 1, 0] } }",
+        "along = [0, 1, 0] }, from = 0.8, to = 0.2 }",
+        "from and to",
+    ),
+    ("along = [0, 1, 0] } }", "along = [0, 0, 0] } }", "along"),
+];
+
 /// What a machine cannot be or do is refused before a step, by the name of its setting.
 #[test]
 fn wrong_machines_are_refused_by_the_name_of_the_setting() {
@@ -220,84 +300,7 @@ probe = [{{ name = "force_n", reads.force = {{ walls = ["piston"], along = [0, 1
 "#
     );
     scene(&right, 20).expect("the machine without a change");
-    for (from, to, told) in [
-        (
-            "\"50 mm\", \"15.625 mm\"]]",
-            "\"-1 mm\", \"15.625 mm\"]]",
-            "apparatus.room",
-        ),
-        (
-            "room = ",
-            "sample_interval = \"3 ms\"\nroom = ",
-            "apparatus.sample_interval",
-        ),
-        (
-            "name = \"left end\"",
-            "name = \"floor\"",
-            "apparatus.wall.name",
-        ),
-        ("normal = [0, 1, 0]", "normal = [0, 0, 0]", "plane.normal"),
-        (
-            "[\"0 mm\", \"0 mm\", \"31.25 mm\"]]",
-            "[\"9 mm\", \"0 mm\", \"0 mm\"]]",
-            "rectangle.edges",
-        ),
-        (
-            "name = \"press\"",
-            "name = \"filling\"",
-            "apparatus.phase.name",
-        ),
-        ("force_n = 5", "force_n = -5", "load.force_n"),
-        (
-            "force_n = 5",
-            "force_n = 5, direction = [1, 0, 0]",
-            "load.wall",
-        ),
-        (
-            "force_n = 5",
-            "force_n = 5, direction = [0, 0, 0]",
-            "load.direction",
-        ),
-        (
-            "load = [{ wall = \"piston\"",
-            "load = [{ wall = \"floor\"",
-            "wall",
-        ),
-        ("end.after = \"0.1 s\"", "end.after = \"0 s\"", "end.after"),
-        (
-            "end.after = \"0.1 s\"",
-            "end.discharged = 0.0",
-            "end.discharged",
-        ),
-        (
-            "end.after = \"0.1 s\"",
-            "end.force = { wall = \"lid\", force_n = 1 }",
-            "name of a wall",
-        ),
-        ("load = [", "hold = [\"piston\"], load = [", "wall"),
-        ("load = [", "remove = [\"piston\"], load = [", "wall"),
-        (
-            "name = \"force_n\"",
-            "name = \"force\"",
-            "apparatus.probe.name",
-        ),
-        (
-            "walls = [\"piston\"]",
-            "walls = [\"lid\"]",
-            "name of a wall",
-        ),
-        (
-            "along = [0, 1, 0] } }",
-            "along = [0, 1, 0] }, phase = \"pull\" }",
-            "phase",
-        ),
-        (
-            "along = [0, 1, 0] } }",
-            "along = [0, 1, 0] }, from = 0.8, to = 0.2 }",
-            "from and to",
-        ),
-        ("along = [0, 1, 0] } }", "along = [0, 0, 0] } }", "along"),
-    ] {
+    for (from, to, told) in WRONG {
         assert!(right.contains(from), "{from}");
         let changed = right.replacen(from, to, 1);
         let Err(Error::BadValue { name, .. }) = scene(&changed, 20) else {
