@@ -88,7 +88,7 @@ pub(crate) fn heap_angles(
     Ok(angles)
 }
 
-/// The inside of an apparatus: seeds, and of the walls that no phase moves the half behind the axis.
+/// The inside of an apparatus: seeds, and of the walls that stay where they are the half behind the axis.
 fn in_section(scene: &Scene, bodies: &[Arc<SeedBody>], frame: &Frame) -> Result<RgbImage, Error> {
     let device = scene.apparatus.device();
     let phases = device.plan(scene).map_or_else(Vec::new, |plan| plan.phases);
@@ -97,7 +97,11 @@ fn in_section(scene: &Scene, bodies: &[Arc<SeedBody>], frame: &Frame) -> Result<
             phase.motions.iter().any(|(name, _)| *name == mesh.name)
                 || phase.removed.contains(&mesh.name)
         };
-        !phases.iter().any(is_moved)
+        let at_rest = Motion {
+            about: mesh.motion.about,
+            ..Motion::default()
+        };
+        mesh.motion == at_rest && !phases.iter().any(is_moved)
     };
     let meshes = mesh_walls(scene)?;
     let behind = |corners: &&[Vector3<f64>; 3]| corners.iter().map(|c| c.z).sum::<f64>() <= 0.0;

@@ -106,8 +106,7 @@ pub struct Outflow {
     pub normal: [f64; 3],
 }
 
-/// When a phase ends. Any but the first ends at the latest after `protocol.rotation_limit`, and the run is then reported as one whose last
-/// phase did not end.
+/// When a phase ends. All but `after` end at the latest after `protocol.rotation_limit`; the run then ends, and reports the reason.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PhaseEnd {

@@ -175,7 +175,12 @@ impl MachineWall {
                             }
                             corner
                         };
-                        let round = [[false, false], [true, false], [true, true], [false, true]];
+                        let mut round =
+                            [[false, false], [true, false], [true, true], [false, true]];
+                        // All faces look outwards, so that opposite ones are told apart.
+                        if !is_upper {
+                            round.reverse();
+                        }
                         quadrangle(round.map(at))
                     })
                     .collect()
