@@ -89,7 +89,7 @@ fn the_study_of_benches_plans_what_to_measure_next() {
     let next = stages.last().unwrap();
     assert_eq!(next["stage"], "what to measure next", "{plan}");
     assert_eq!(next["runs"], 0);
-    assert_eq!(next["at_most_further"], 4 * 8, "{plan}");
+    assert_eq!(next["at_most_further"], 5 * 10, "{plan}");
     assert!(next["further_core_s"].as_f64().unwrap() > 0.0, "{plan}");
 }
 
