@@ -51,7 +51,7 @@ struct Near {
     wall: usize,
     /// Sum of the ways of body and wall when the candidates were listed, m.
     listed: f64,
-    /// The same at which they must be listed anew, m.
+    /// The same at which they must be listed again, m.
     limit: f64,
     /// Triangles within the margin of the body.
     triangles: Vec<u32>,

@@ -9,8 +9,8 @@
 //! `D² = min over t of the sum over observables of ((dy/dt)² - v) / max(se², s²/n)`
 //!
 //! se is the standard error that the measured mean would have, s the standard deviation of a single run about the parabola, n the number of
-//! repeats (n repeats of a bench whose runs scatter by s are not known better than s/sqrt(n)), and v the variance of the slope. D tells how many
-//! standard errors apart the candidate puts the two ends if all of the set is as poorly told apart as its worst part. With the separation N
+//! repeats (n repeats of a bench whose runs scatter by s are not known better than s/sqrt(n)), and v the variance of the slope. D is the distance of the
+//! two ends in standard errors of the candidate if all of the set is as poorly distinguished as its worst part. With the separation N
 //! that the ends have now, that with the candidate is sqrt(N² + D²). Candidates are ranked by what they add per minute to the sum of squared
 //! separations, each counted up to that which would do.
 
@@ -323,7 +323,7 @@ impl Direction {
         let places: Vec<f64> = points.iter().map(|p| direction.along(p)).collect();
         let low = places.iter().copied().fold(f64::INFINITY, f64::min);
         let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        // A set too narrow to be drawn from has no ends to tell apart.
+        // A set too narrow to be drawn from has no ends to distinguish.
         if high <= low {
             return direction;
         }

@@ -87,7 +87,7 @@ fn check_names<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> Result<(
     let mut known: Vec<&str> = Vec::new();
     for name in names {
         if name.trim().is_empty() || known.contains(&name) {
-            let requirement = "a name of its own";
+            let requirement = "a unique name";
             return Err(bad(what, format!("{name:?}"), requirement));
         }
         known.push(name);

@@ -210,7 +210,7 @@ fn friction_makes_a_paddle_hard_to_turn() {
     );
 }
 
-/// Parts of the text of a machine, what stands there instead, and the end of the name that the refusal tells.
+/// Parts of the text of a machine, what replaces them, and the end of the name that the refusal tells.
 const WRONG: &[(&str, &str, &str)] = &[
     (
         "\"50 mm\", \"15.625 mm\"]]",

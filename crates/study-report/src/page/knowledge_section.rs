@@ -76,7 +76,7 @@ fn next_measurement(page: &mut Page<'_>) -> Result<(), Error> {
     };
     page.report.paragraph(&format!(
         "What to measure next. The separation says how many standard errors apart the two ends of what agrees with the measurements \
-         would be: now {}, and {} would do. It is taken where a candidate tells the solutions apart worst; single runs that \
+         would be: now {}, and {} would do. It is taken where a candidate distinguishes the solutions worst; single runs that \
          scatter more than the stated standard deviation count instead of it, and the noise of the runs is taken off.",
         fixed(next.now, 1),
         digits(next.needed)

@@ -234,7 +234,7 @@ impl MachineWall {
                 if Face::ALL.iter().any(|(face, ..)| !open.contains(face)) {
                     return Ok(());
                 }
-                let requirement = "at most five faces: a box without any is no wall";
+                let requirement = "at most five faces: a box needs a face";
                 Err(bad(&name("box.open"), "all faces".into(), requirement))
             }
             WallShape::Revolved { from, to, .. } => {
