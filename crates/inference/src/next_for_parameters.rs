@@ -300,8 +300,8 @@ struct Open {
 struct Direction {
     /// Unit vector in widths of the limits.
     weights: DVector<f64>,
-    /// Widths of the limits, as those of [`Open`].
-    widths: Vec<f64>,
+    /// The same over the widths: what a point is multiplied with.
+    over_widths: Vec<f64>,
     /// Lower end of the set along it, in widths.
     low: f64,
     /// Distance of its ends, in widths.
@@ -313,9 +313,10 @@ struct Direction {
 impl Direction {
     /// The set along a unit vector, from points of it.
     fn new(weights: DVector<f64>, widths: &[f64], points: &[Vec<f64>], all: &[f64]) -> Self {
+        let over_widths = weights.iter().zip(widths).map(|(w, width)| w / width);
         let mut direction = Self {
+            over_widths: over_widths.collect(),
             weights,
-            widths: widths.to_vec(),
             low: 0.0,
             extent: 0.0,
             stations: Vec::new(),
@@ -348,8 +349,8 @@ impl Direction {
 
     /// Place of a point along the combination, in widths.
     fn along(&self, point: &[f64]) -> f64 {
-        let each = self.weights.iter().zip(point.iter().zip(&self.widths));
-        each.map(|(w, (x, width))| w * x / width).sum()
+        let each = self.over_widths.iter().zip(point);
+        each.map(|(w, x)| w * x).sum()
     }
 
     /// The same from -1/2 at the lower end to 1/2 at the upper one.

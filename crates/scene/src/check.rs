@@ -454,12 +454,14 @@ impl Scene {
                 ));
             }
         }
-        let walls = self.apparatus.device().mesh_walls().into_iter();
-        let own: Vec<String> = walls.map(|wall| wall.name).collect();
+        let device = self.apparatus.device();
+        let planes = device.walls().into_iter().map(|wall| wall.name);
+        let meshes = device.mesh_walls().into_iter().map(|wall| wall.name);
+        let own: Vec<String> = planes.chain(meshes).collect();
         for (k, wall) in self.wall.iter().enumerate() {
             let twice = self.wall[..k].iter().any(|other| other.name == wall.name);
             if twice || own.contains(&wall.name) {
-                let requirement = "another name: each wall of triangles needs its own";
+                let requirement = "another name: each wall needs its own";
                 found.push(bad("wall.name", wall.name.clone(), requirement));
             }
         }

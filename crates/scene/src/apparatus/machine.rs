@@ -4,7 +4,7 @@ mod phase;
 mod probe;
 mod wall;
 
-use phase::{MachinePhase, WallLoad};
+use phase::MachinePhase;
 use probe::Probe;
 use wall::MachineWall;
 
@@ -118,6 +118,12 @@ impl Machine {
         ))
     }
 
+    /// Whether a wall of this name is a plane.
+    fn is_plane(&self, name: &str) -> bool {
+        let mut walls = self.wall.iter();
+        walls.any(|wall| wall.name == name && !wall.can_move())
+    }
+
     /// The wall of triangles of a name.
     fn own_mesh(&self, name: &str) -> Option<&MachineWall> {
         let walls = self.wall.iter();
@@ -217,12 +223,12 @@ impl Device for Machine {
     }
 
     fn greatest_stress(&self) -> f64 {
-        let loads = self.phase.iter().flat_map(|phase| &phase.load);
-        let stress = |load: &WallLoad| {
-            let area = self.own_mesh(&load.wall)?.area_along(&load.direction());
-            (area > 0.0).then(|| load.force_n / area)
+        let forces = self.phase.iter().flat_map(MachinePhase::forces);
+        let stress = |(wall, along, force): (&str, Vector3<f64>, f64)| {
+            let area = self.own_mesh(wall)?.area_along(&along);
+            (area > 0.0).then(|| force / area)
         };
-        loads.filter_map(stress).fold(0.0, f64::max)
+        forces.filter_map(stress).fold(0.0, f64::max)
     }
 
     fn fastest_wall(&self) -> f64 {

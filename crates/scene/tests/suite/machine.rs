@@ -218,6 +218,26 @@ const WRONG: &[(&str, &str, &str)] = &[
         "apparatus.room",
     ),
     (
+        "name = \"force_n\", reads.force = { walls = [\"piston\"]",
+        "name = \"t_n_mm\", reads.torque = { wall = \"floor\"",
+        "wall",
+    ),
+    (
+        "name = \"force_n\", reads.force = { walls = [\"piston\"]",
+        "name = \"d_mm\", reads.displacement = { wall = \"floor\"",
+        "wall",
+    ),
+    (
+        "end.after = \"0.1 s\"",
+        "end.depth = { wall = \"floor\", depth = \"1 mm\" }",
+        "end.depth.wall",
+    ),
+    (
+        "[\"0 mm\", \"-10 mm\", \"0 mm\"]",
+        "[\"0 mm\", \"60 mm\", \"0 mm\"]",
+        "outlet.point",
+    ),
+    (
         "room = ",
         "sample_interval = \"3 ms\"\nroom = ",
         "apparatus.sample_interval",

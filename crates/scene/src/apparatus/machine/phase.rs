@@ -90,7 +90,7 @@ fn downwards() -> [f64; 3] {
 
 impl WallLoad {
     /// Unit vector along the load.
-    pub(super) fn direction(&self) -> Vector3<f64> {
+    fn direction(&self) -> Vector3<f64> {
         Vector3::from(self.direction).normalize()
     }
 }
@@ -180,6 +180,25 @@ impl MachinePhase {
         all.map(String::as_str)
     }
 
+    /// Forces that walls carry, and at which it ends: wall, direction, N.
+    pub(super) fn forces(&self) -> impl Iterator<Item = (&str, Vector3<f64>, f64)> {
+        let loads = self.load.iter();
+        let loads = loads.map(|l| (l.wall.as_str(), l.direction(), l.force_n));
+        let end = match &self.end {
+            PhaseEnd::Force {
+                wall,
+                force_n,
+                direction,
+            } => Some((
+                wall.as_str(),
+                Vector3::from(*direction).normalize(),
+                *force_n,
+            )),
+            _ => None,
+        };
+        loads.chain(end)
+    }
+
     /// Refuses numbers that make no sense.
     fn check(&self) -> Result<(), Error> {
         let name = |key: &str| format!("apparatus.phase '{}': {key}", self.name);
@@ -194,9 +213,6 @@ impl MachinePhase {
             }
             unit(&name("load.direction"), load.direction)?;
             check_greatest_speed(load.greatest_speed)?;
-        }
-        for outlet in &self.outlet {
-            unit(&name("outlet.normal"), outlet.normal)?;
         }
         let positive = |key: &str, value: f64, text: String| {
             let refused = || bad(&name(key), text, "above 0");
@@ -284,10 +300,23 @@ impl Machine {
                     return Err(bad(&name("wall"), format!("'{wall}'"), requirement));
                 }
                 here.push(wall);
-                if self.wall.iter().any(|w| w.name == wall && !w.can_move()) {
+                if self.is_plane(wall) {
                     let requirement = "another shape, such as a rectangle: a plane cannot move";
                     return Err(bad(&name("wall"), format!("'{wall}'"), requirement));
                 }
+            }
+            if let PhaseEnd::Depth { wall, .. } = &phase.end
+                && self.is_plane(wall)
+            {
+                let requirement = "a wall that moves: a plane cannot";
+                return Err(bad(
+                    &name("end.depth.wall"),
+                    format!("'{wall}'"),
+                    requirement,
+                ));
+            }
+            for outlet in &phase.outlet {
+                self.check_outlet(outlet, &name("outlet"))?;
             }
             for load in &phase.load {
                 let shown = self
@@ -306,6 +335,24 @@ impl Machine {
             gone.extend(phase.remove.iter().map(String::as_str));
         }
         Ok(())
+    }
+
+    /// Refuses a plane in front of which no part of the room is: it would take out all seeds at once.
+    fn check_outlet(&self, outlet: &Outflow, name: &str) -> Result<(), Error> {
+        let normal = unit(name, outlet.normal)?;
+        let [low, high] = self.room.each_ref().map(point);
+        // The part of the room that is farthest in front.
+        let corner = Vector3::from_fn(|k, _| if normal[k] > 0.0 { low[k] } else { high[k] });
+        if (corner - point(&outlet.point)).dot(&normal) < 0.0 {
+            return Ok(());
+        }
+        let value = format!(
+            "{} {} {}",
+            outlet.point[0], outlet.point[1], outlet.point[2]
+        );
+        let requirement =
+            "a point with the room in front of it: normal is the direction in which seeds leave";
+        Err(bad(&format!("{name}.point"), value, requirement))
     }
 
     /// Refuses names of walls that neither the machine nor `[[wall]]` has.

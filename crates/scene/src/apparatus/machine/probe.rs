@@ -190,6 +190,16 @@ impl Probe {
         if let Some(along) = self.reads.along() {
             unit(&name("along"), along)?;
         }
+        let of_mesh = matches!(
+            self.reads,
+            Reading::Torque { .. } | Reading::Displacement { .. }
+        );
+        if let Some(plane) = self.walls().into_iter().find(|w| machine.is_plane(w))
+            && of_mesh
+        {
+            let requirement = "another shape, such as a rectangle: a plane does not move, and has no point to turn about";
+            return Err(bad(&name("wall"), format!("'{plane}'"), requirement));
+        }
         if let Reading::SolidFraction { region } = &self.reads {
             check_box(&name("region"), region)?;
         }
@@ -250,19 +260,16 @@ impl Probe {
         let duration = samples.last()?.time;
         let [from, to] = self.window().map(|fraction| fraction * duration);
         let counts = |sample: &&&Sample| sample.time >= from && sample.time <= to;
-        let values: Vec<f64> = samples
-            .iter()
-            .filter(counts)
-            .map(|sample| self.of_sample(seen, sample))
-            .collect();
-        self.value.of(&values)
+        let counted = samples.iter().filter(counts);
+        let values: Option<Vec<f64>> = counted.map(|s| self.of_sample(seen, s)).collect();
+        self.value.of(&values?)
     }
 
-    /// The value of a sample.
-    fn of_sample(&self, seen: &Seen<'_>, sample: &Sample) -> f64 {
+    /// The value of a sample; `None` of a reading that is no series.
+    fn of_sample(&self, seen: &Seen<'_>, sample: &Sample) -> Option<f64> {
         let part =
             |vector: Vector3<f64>, along: [f64; 3]| vector.dot(&Vector3::from(along).normalize());
-        match &self.reads {
+        Some(match &self.reads {
             Reading::Force { walls, along } => {
                 let walls: Vec<&str> = walls.iter().map(String::as_str).collect();
                 part(seen.force(sample, &walls), *along)
@@ -273,8 +280,8 @@ impl Probe {
             }
             Reading::Mass {} => 1e3 * sample.mass,
             Reading::CentreHeight {} => 1e3 * sample.centre,
-            _ => f64::NAN,
-        }
+            _ => return None,
+        })
     }
 }
 
