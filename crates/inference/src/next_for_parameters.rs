@@ -444,3 +444,33 @@ fn capped(squares: &[f64]) -> f64 {
     let most = SEPARATION_TO_REACH * SEPARATION_TO_REACH;
     squares.iter().map(|square| square.min(most)).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Curve;
+
+    /// By hand: two runs at -0.4, -0.2, 0, 0.2, 0.4 that lie 2 above and 2 below the line 15 t. The variance of a single run is 10 x 4/7 = 40/7, that of
+    /// the slope in the middle 40/7/0.8, as the squares of t add up to 0.8. Five repeats are known to 8/7, not to the stated 0.25: the
+    /// information is (225 - 50/7) / (8/7). With a stated standard error of 2 that one counts. Three runs show no scatter.
+    #[test]
+    fn the_scatter_of_single_runs_counts_where_it_is_the_larger_error() {
+        let places: Vec<f64> = (-2..=2).flat_map(|k| [0.2 * f64::from(k); 2]).collect();
+        let off = [2.0, -2.0].into_iter().cycle();
+        let values: Vec<f64> = places
+            .iter()
+            .zip(off)
+            .map(|(t, off)| 15.0 * t + off)
+            .collect();
+        let of = |se: f64| Curve::of(&places, &values, (se, 5.0)).expect("a curve");
+        let close = |found: f64, expected: f64| {
+            assert!(
+                (found / expected - 1.0).abs() < 1e-9,
+                "{found} for {expected}"
+            );
+        };
+        let useful = 225.0 - 50.0 / 7.0;
+        close(of(0.5).information(0.0), useful * 7.0 / 8.0);
+        close(of(2.0).information(0.0), useful / 4.0);
+        assert!(Curve::of(&places[..3], &values[..3], (0.5, 5.0)).is_none());
+    }
+}
