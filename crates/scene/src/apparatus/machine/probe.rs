@@ -265,7 +265,7 @@ impl Probe {
         self.value.of(&values?)
     }
 
-    /// The value of a sample; `None` of a reading that is no series.
+    /// The value of a sample; `None` of a reading that is not a series.
     fn of_sample(&self, seen: &Seen<'_>, sample: &Sample) -> Option<f64> {
         let part =
             |vector: Vector3<f64>, along: [f64; 3]| vector.dot(&Vector3::from(along).normalize());
