@@ -21,6 +21,7 @@ PACKINGS = "bed", "heap"
 PASSPORTS = {
     "rolling": ("rolling.toml", "../peers-study/spheres.toml"),
     "smooth": ("smooth.toml", "../peers-study/spheres.toml"),
+    "clumps": ("rolling.toml", "clumps.toml"),
 }
 COMMANDS = {
     "lammps": ["python3", "run_lammps.py"],
@@ -29,8 +30,8 @@ COMMANDS = {
 }
 # Runs after conversion, with bed and heap or the small cases alone.
 CONVERTED = [
-    ("lammps", "rolling", True),
-    ("liggghts", "rolling", True),
+    ("lammps", "rolling", True), ("lammps", "clumps", False),
+    ("liggghts", "rolling", True), ("liggghts", "clumps", False),
     ("yade", "smooth", True), ("yade", "rolling", True),
 ]
 # Breaks: the convention that must be named, its factor, and the settings that break it.

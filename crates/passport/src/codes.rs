@@ -41,6 +41,10 @@ pub const CODES: [Code; 4] = [
                 "limit-by-size",
                 "`gran_sub_mod_normal.cpp`, `GranSubModNormal::set_fncrit`: the limit takes `fabs(Fntot)`",
             ),
+            known(
+                "rolling-without-twist",
+                "`gran_sub_mod_rolling.cpp`, `GranSubModRollingSDS::calculate_forces`: the history grows by `vrl`, which has no part along the normal; `twisting` is another model",
+            ),
         ],
     },
     Code {

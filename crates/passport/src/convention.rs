@@ -94,7 +94,7 @@ const WALL: [bool; 2] = [false, true];
 const BOTH: [bool; 2] = [true, true];
 
 /// All conventions that the cases can show.
-pub(crate) const CONVENTIONS: [Convention; 27] = [
+pub(crate) const CONVENTIONS: [Convention; 28] = [
     factor(
         "rolling",
         "the rolling torque",
@@ -260,6 +260,12 @@ pub(crate) const CONVENTIONS: [Convention; 27] = [
         |v| v.rolling_by_spring = true,
     ),
     switch(
+        "rolling-without-twist",
+        "rolling resistance acts against rolling alone, and a spin about the normal is free",
+        "nothing to put in: it belongs to the code (LAMMPS, where twisting is another model); accept it",
+        |v| v.rolling_without_twist = true,
+    ),
+    switch(
         "history-as-force",
         "the tangential history is kept as a force: unloading does not reduce it",
         "choose the history as a displacement (LAMMPS mindlin); if the code lacks it (YADE), accept it",
@@ -310,6 +316,7 @@ pub(crate) fn concerns(convention: &Convention, model: &Model) -> bool {
         "dashpot-mass" => model.clumps,
         "rolling-lever" => model.clumps && rolls,
         "cohesion" => model.coheres(),
+        "rolling-without-twist" => model.rolling_law == RollingLaw::ConstantTorque && rolls,
         "rolling-law" | "rolling-by-spring" | "rolling" | "rolling-grains" | "rolling-wall" => {
             rolls
         }

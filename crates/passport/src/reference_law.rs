@@ -157,12 +157,13 @@ impl<'a> Law<'a> {
             (a, touch.reduced_mass * a * a)
         };
         if model.rolling_law == RollingLaw::ConstantTorque {
-            return rolling_constant_torque::torque(
-                coefficient,
-                normal,
-                lever,
-                touch.relative_spin,
-            );
+            let twist = touch.normal * touch.relative_spin.dot(&touch.normal);
+            let spin = if self.variant.rolling_without_twist {
+                touch.relative_spin - twist
+            } else {
+                touch.relative_spin
+            };
+            return rolling_constant_torque::torque(coefficient, normal, lever, spin);
         }
         let Ok(law) = RollingSpringDashpot::new(coefficient, DAMPING_RATIO, STIFFNESS_RATIO) else {
             return Vector3::zeros();
@@ -178,5 +179,39 @@ impl<'a> Law<'a> {
         let found = law.torque(&contact, *spring, step);
         *spring = found.spring;
         found.torque
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::beads;
+
+    /// A spin of 4 rad/s along the plane and 3 about the normal: a torque of `mu_r F_n R` points against the whole spin, or against the
+    /// part along the plane alone, and has that size either way.
+    #[test]
+    fn rolling_without_twist_leaves_the_spin_about_the_normal_free() {
+        let model = beads();
+        let touch = Touch {
+            normal: Vector3::y(),
+            overlap: 1e-6,
+            reduced_radius: model.radius_m,
+            reduced_mass: 1e-5,
+            arms: [Vector3::new(0.0, -model.radius_m, 0.0), Vector3::zeros()],
+            velocity: Vector3::zeros(),
+            relative_spin: Vector3::new(4.0, 3.0, 0.0),
+            kind: 1,
+        };
+        let moduli = model.moduli();
+        let own = Variant::nominal(&model);
+        let mut without = own.clone();
+        without.rolling_without_twist = true;
+        let size = 0.08 * 0.5 * (model.radius_m - 0.5e-6);
+        for (variant, direction) in [(&own, [0.8, 0.6, 0.0]), (&without, [1.0, 0.0, 0.0])] {
+            let law = Law::new(variant, &touch, &moduli[1]);
+            let torque = law.rolling(&touch, 0.5, &mut Vector3::zeros(), 1e-6);
+            let apart = torque + Vector3::from(direction) * size;
+            assert!(apart.norm() < 1e-12 * size, "{torque}");
+        }
     }
 }

@@ -48,6 +48,8 @@ pub(crate) struct Variant {
     pub(crate) tangential_damping: f64,
     /// Whether rolling resistance takes the elastic part of the normal force alone.
     pub(crate) rolling_by_spring: bool,
+    /// Whether rolling resistance acts against the rolling alone, not against a spin about the normal.
+    pub(crate) rolling_without_twist: bool,
     /// Memory of the tangential spring.
     pub(crate) history: History,
     /// What the limit of sliding holds.
@@ -67,6 +69,7 @@ impl Variant {
             tangential_stiffness: 1.0,
             tangential_damping: 1.0,
             rolling_by_spring: false,
+            rolling_without_twist: false,
             history: History::Displacement,
             limit: SlidingLimit::SpringThenSum,
             limit_by_size: false,

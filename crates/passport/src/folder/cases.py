@@ -42,6 +42,15 @@ class Case:
         return [end - start for start, end in zip([0] + ends, ends)]
 
 
+def lever_over_radius(case, values):
+    """Arm of rolling friction over the radius of a sphere: of a clump that takes it to its centre, from the point at which it meets the floor."""
+    if not case.has_clumps or values["sphere_lever"] or is_raw():
+        return 1.0
+    body, lowest = case.bodies[0], min(case.spheres, key=lambda sphere: sphere["y_m"])
+    down = [0.0, values["radius"], 0.0]
+    return math.hypot(*(lowest[f"{a}_m"] - d - body[f"{a}_m"] for a, d in zip("xyz", down))) / values["radius"]
+
+
 def passport():
     with open(os.path.join(HERE, "passport.json")) as file:
         return json.load(file)

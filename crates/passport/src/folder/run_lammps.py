@@ -27,11 +27,10 @@ def converted(values):
 
 def contact(values, place, case):
     """A contact in the words of LAMMPS. The dashpot knows the mass of the body, the lever arm is that of the sphere."""
-    e, roll = values[f"e_{place}"], values[f"roll_{place}"]
+    e, roll = values[f"e_{place}"], values[f"roll_{place}"] * cases.lever_over_radius(case, values)
     if case.has_clumps and not cases.is_raw():
         share = 0.5 if values["sphere_mass"] else 1.0
         e = cases.body_restitution(e, share)
-        roll *= 1.0 if values["sphere_lever"] else math.sqrt(2.0)
     words = (f"hertz/material {values[f'young_{place}']!r} {e!r} {values[f'nu_{place}']!r} "
              f"tangential {values.get('history', 'mindlin')} NULL {values.get(f'tangential_{place}', 1.0)!r} {values[f'mu_{place}']!r} "
              "damping coeff_restitution")

@@ -13,7 +13,7 @@ import cases
 
 def laws(values, case):
     """Properties of the materials, the model, and its settings behind the shape of a wall."""
-    factor = math.sqrt(2.0) if case.has_clumps and not values["sphere_lever"] and not cases.is_raw() else 1.0
+    factor = cases.lever_over_radius(case, values)
     share = 0.5 if case.has_clumps and values["sphere_mass"] and not cases.is_raw() else 1.0
     restitution = lambda place: cases.body_restitution(values[f"e_{place}"], share)
     pairs = lambda of: " ".join(repr(of(place)) for place in ("grains", "wall", "wall", "wall"))
@@ -34,8 +34,8 @@ def laws(values, case):
     return lines, model, settings
 
 
-def deck(case, values):
-    """Input script and files of a case."""
+def deck(case, values, shift=(0.0, 0.0, 0.0)):
+    """Input script and files of a case, whose clump is put where it is meant less a shift."""
     radius = values["radius"]
     lines, model, settings = laws(values, case)
     g = math.hypot(*case.gravity)
@@ -44,8 +44,9 @@ def deck(case, values):
     if case.has_clumps:
         body = case.bodies[0]
         centre = [body[f"{a}_m"] for a in "xyz"]
+        place = [c - s for c, s in zip(centre, shift)]
         files["clump.spheres"] = [" ".join(repr(s[f"{a}_m"] - c) for a, c in zip("xyz", centre)) + f" {radius!r}" for s in case.spheres]
-        edges = " ".join(f"{c - 1e-8:.10f} {c + 1e-8:.10f}" for c in centre)
+        edges = " ".join(f"{c - 1e-10:.12f} {c + 1e-10:.12f}" for c in place)
         motion = [" ".join(repr(body[f"{what}_{a}_{unit}"]) for a in "xyz") for what, unit in (("velocity", "m_s"), ("spin", "rad_s"))]
         inertia = " ".join(repr(body[f"inertia_{k}_kg_m2"]) for k in ("xx", "xy", "xz", "yy", "yz", "zz"))
         start = [f"fix clump all particletemplate/multisphere 10007 atom_type 1 density constant {values['density']!r} nspheres {len(case.spheres)} "
@@ -54,7 +55,7 @@ def deck(case, values):
                  f"region place block {edges} units box volume_limit 1e-30",
                  f"fix put all insert/pack seed 10037 distributiontemplate kind insert_every once overlapcheck no all_in no vel constant {motion[0]} "
                  f"omega constant {motion[1]} orientation constant 1 0 0 0 particles_in_region 1 region place ntry_mc 1000",
-                 "fix motion all multisphere allow_group_and_set yes", "run 1", "unfix put", "region place delete"]
+                 "fix motion all multisphere allow_group_and_set yes", "run 1", *written("start"), "unfix put", "region place delete"]
         box = ["region box block " + " ".join(f"{low!r} {high!r}" for low, high in cases.domain(radius)) + " units box", "create_box 2 box"]
     else:
         files[f"{case.name}.data"] = cases.data(case, values, types=2)
@@ -68,24 +69,44 @@ def deck(case, values):
         script.append(f"fix wall{number} all wall/gran model {model} primitive type 2 {'xyz'[axis]}plane {wall[f'''{'xyz'[axis]}_m''']!r}{settings}")
     script += start + ["thermo 1000000000"]
     for number, n in enumerate(case.steps(), 1):
-        script += [f"run {n}", f"dump state all custom 1 {case.name}.t{number} id x y z vx vy vz omegax omegay omegaz",
-                   'dump_modify state sort id format "%d' + " %.12g" * 9 + '"', "run 0", "undump state"]
+        script += [f"run {n}", *written(f"{case.name}.t{number}")]
     files[f"in.{case.name}"] = script
     return files
 
 
-def run(case, values):
-    for name, lines in deck(case, values).items():
+def written(file):
+    """Commands that write down all spheres."""
+    return [f"dump state all custom 1 {file} id x y z vx vy vz omegax omegay omegaz", 'dump_modify state sort id format "%d' + " %.12g" * 9 + '"',
+            "run 0", "undump state"]
+
+
+def spheres_in(file):
+    """Numbers of the spheres in a file."""
+    with open(file) as text:
+        frame = text.read().rsplit("ITEM: ATOMS", 1)[1].strip().splitlines()[1:]
+    return [[float(x) for x in line.split()[1:]] for line in frame]
+
+
+def shift_of_clump(case):
+    """LIGGGHTS finds the centre of a clump by drawn points and puts that where it is told, a thousandth of its size beside the true one."""
+    spheres = spheres_in("start")
+    return [sum(sphere[k] for sphere in spheres) / len(spheres) - case.bodies[0][f"{a}_m"] for k, a in enumerate("xyz")]
+
+
+def execute(case, files):
+    for name, lines in files.items():
         with open(name, "w") as file:
             file.write("\n".join(lines) + "\n")
     done = subprocess.run([os.environ.get("LIGGGHTS", "liggghts"), "-in", f"in.{case.name}"], capture_output=True, text=True)
     if done.returncode or "ERROR" in done.stdout:
         raise SystemExit(f"LIGGGHTS stopped in {case.name}:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
-    states = []
-    for number in range(1, len(case.times) + 1):
-        with open(f"{case.name}.t{number}") as file:
-            frame = file.read().rsplit("ITEM: ATOMS", 1)[1].strip().splitlines()[1:]
-        states.append([[float(x) for x in line.split()[1:]] for line in frame])
+
+
+def run(case, values):
+    execute(case, deck(case, values))
+    if case.has_clumps:
+        execute(case, deck(case, values, shift_of_clump(case)))
+    states = [spheres_in(f"{case.name}.t{number}") for number in range(1, len(case.times) + 1)]
     if case.is_packing:
         return cases.read_packing(case, [atom[:3] for atom in states[-1]], values["radius"])
     # The spheres of a clump are equal, so that its motion is their mean.
