@@ -13,8 +13,14 @@ fn stored(name: &str) -> String {
 
 /// A folder with the passport of rolling beads, and results.
 fn folder(results: &str) -> TempDir {
+    folder_of("rolling", results)
+}
+
+/// A folder with a stored passport, and results.
+fn folder_of(passport: &str, results: &str) -> TempDir {
     let folder = tempdir().unwrap();
-    fs::write(folder.path().join("passport.json"), stored("rolling.json")).unwrap();
+    let passport = stored(&format!("{passport}.json"));
+    fs::write(folder.path().join("passport.json"), passport).unwrap();
     fs::write(folder.path().join("RESULTS.csv"), results).unwrap();
     folder
 }
@@ -41,6 +47,15 @@ fn a_code_agrees_with_what_its_source_says_beforehand() {
     assert_code(&alone, 1);
     let alone = json(&alone);
     assert_eq!(alone["differences"][0]["convention"], "limit-moves-spring");
+}
+
+/// A clump that drops and one that rolls: LAMMPS and LIGGGHTS agree after conversion.
+#[test]
+fn clumps_of_other_codes_agree_after_conversion() {
+    for code in ["lammps", "liggghts"] {
+        let folder = folder_of("clumps", &stored(&format!("{code}-clumps.csv")));
+        assert_code(&check(&folder, &["--code", code]), 0);
+    }
 }
 
 /// Friction of grains at the wall, 0.3 instead of 0.4: the factor, what the code then takes, and the value to put in.
