@@ -32,7 +32,7 @@ COMMANDS = {
 CONVERTED = [
     ("lammps", "rolling", True), ("lammps", "clumps", False),
     ("liggghts", "rolling", True), ("liggghts", "clumps", False),
-    ("yade", "smooth", True), ("yade", "rolling", True),
+    ("yade", "smooth", True), ("yade", "rolling", True), ("yade", "clumps", False),
 ]
 # Breaks: the convention that must be named, its factor, and the settings that break it.
 BREAKS = {

@@ -91,6 +91,10 @@ pub const CODES: [Code; 4] = [
                 "history-as-force",
                 "the same function: `shearElastic` is a force that grows by `ks` times the increment",
             ),
+            known(
+                "rolling-without-twist",
+                "the same function: `momentBend` has no part along the normal, and the spring of `momentTwist` has no limit, so that it is left out",
+            ),
         ],
     },
 ];

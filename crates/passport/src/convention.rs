@@ -262,7 +262,7 @@ pub(crate) const CONVENTIONS: [Convention; 28] = [
     switch(
         "rolling-without-twist",
         "rolling resistance acts against rolling alone, and a spin about the normal is free",
-        "nothing to put in: it belongs to the code (LAMMPS, where twisting is another model); accept it",
+        "nothing to put in: it belongs to the code (LAMMPS, YADE); accept it",
         |v| v.rolling_without_twist = true,
     ),
     switch(

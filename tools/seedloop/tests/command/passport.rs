@@ -49,10 +49,10 @@ fn a_code_agrees_with_what_its_source_says_beforehand() {
     assert_eq!(alone["differences"][0]["convention"], "limit-moves-spring");
 }
 
-/// A clump that drops and one that rolls: LAMMPS and LIGGGHTS agree after conversion.
+/// A clump that drops and one that rolls: each code agrees after conversion.
 #[test]
 fn clumps_of_other_codes_agree_after_conversion() {
-    for code in ["lammps", "liggghts"] {
+    for code in ["lammps", "liggghts", "yade"] {
         let folder = folder_of("clumps", &stored(&format!("{code}-clumps.csv")));
         assert_code(&check(&folder, &["--code", code]), 0);
     }
