@@ -11,6 +11,7 @@ use crate::spheres::sphere::Sphere;
 use crate::template::Template;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// Where a body starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -209,6 +210,28 @@ impl BodySlices<'_> {
         self.position.len()
     }
 
+    /// Some of the bodies, with these loads.
+    pub(crate) fn within<'b>(
+        &'b mut self,
+        range: Range<usize>,
+        load: &'b [Load],
+    ) -> BodySlices<'b> {
+        BodySlices {
+            spheres: &mut self.spheres[range.clone()],
+            template: &self.template[range.clone()],
+            position: &mut self.position[range.clone()],
+            velocity: &mut self.velocity[range.clone()],
+            orientation: &mut self.orientation[range.clone()],
+            spin: &mut self.spin[range.clone()],
+            angular_momentum: &mut self.angular_momentum[range.clone()],
+            rotation: &mut self.rotation[range.clone()],
+            cells_to_metres: &mut self.cells_to_metres[range.clone()],
+            load,
+            travel: &mut self.travel[range.clone()],
+            shift: &mut self.shift[range],
+        }
+    }
+
     /// The bodies before `middle` and those from there on.
     pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
         let spheres = self.spheres.split_at_mut(middle.min(self.spheres.len()));
@@ -220,7 +243,7 @@ impl BodySlices<'_> {
         let angular_momentum = self.angular_momentum.split_at_mut(middle);
         let rotation = self.rotation.split_at_mut(middle);
         let cells_to_metres = self.cells_to_metres.split_at_mut(middle);
-        let load = self.load.split_at(middle);
+        let load = self.load.split_at(middle.min(self.load.len()));
         let travel = self.travel.split_at_mut(middle);
         let shift = self.shift.split_at_mut(middle);
         (

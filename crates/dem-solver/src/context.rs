@@ -9,6 +9,7 @@ use crate::interaction::Interaction;
 use crate::settings::Settings;
 use crate::spheres::sphere::Sphere;
 use crate::template::{CELLS, Template};
+use crate::window::Window;
 
 /// Distances of the sphere lists.
 #[derive(Debug, Clone, Copy)]
@@ -55,7 +56,7 @@ pub(crate) struct Context<'a> {
     /// What each body gives to each of its bridges of liquid, m³; empty in a dry world.
     pub(crate) liquid: &'a [f64],
     /// The bodies of a world of spheres; empty in another.
-    pub(crate) spheres: &'a [Sphere],
+    pub(crate) spheres: Window<'a, Sphere>,
 }
 
 impl<'a> Context<'a> {

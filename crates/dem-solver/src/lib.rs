@@ -90,6 +90,7 @@ mod triangle_tree;
 mod wall;
 mod wall_batch;
 mod wall_force;
+mod window;
 mod workspace;
 mod world;
 

@@ -23,6 +23,7 @@ use crate::spheres::pairs::SpherePairs;
 use crate::spheres::walls::SphereWalls;
 use crate::wall::Wall;
 use crate::wall_force::WallNeighbours;
+use crate::window::Window;
 use crate::workspace::Workspace;
 use fearless_simd::Level;
 use nalgebra::Vector3;
@@ -185,7 +186,7 @@ impl Part {
     /// Adds the forces found to those on each wall (N) and to its torque about the z axis (N m).
     pub(crate) fn add_to_walls(
         &self,
-        positions: &[Vector3<f64>],
+        positions: Window<'_, Vector3<f64>>,
         (force, torque): (&mut [Vector3<f64>], &mut [f64]),
     ) {
         self.walls.add_to_walls(positions, (force, torque));
@@ -223,12 +224,26 @@ impl Part {
             let near = &mut self.walls;
             near.find_forces(level, bodies, walls, context, workspace);
         } else {
-            let (pairs, travel) = (&mut self.spheres, bodies.travel.as_slice());
-            add_sphere_forces(level, pairs, travel, workspace, context, sink);
-            let batch = &mut workspace.spheres_at_walls;
-            let near = &mut self.spheres_at_walls;
-            near.find_forces(level, travel, walls, context, batch);
+            let travel = Window::whole(&bodies.travel);
+            self.find_loads_of_spheres(level, travel, walls, context, workspace, sink);
         }
+    }
+
+    /// [`Self::find_loads`] in a world of spheres, by the travels of its bodies and their partners (m).
+    pub(crate) fn find_loads_of_spheres(
+        &mut self,
+        level: Level,
+        travel: Window<'_, f32>,
+        walls: &[Wall],
+        context: &Context<'_>,
+        workspace: &mut Workspace,
+        sink: &mut impl Sink,
+    ) {
+        let pairs = &mut self.spheres;
+        add_sphere_forces(level, pairs, travel, workspace, context, sink);
+        let batch = &mut workspace.spheres_at_walls;
+        let near = &mut self.spheres_at_walls;
+        near.find_forces(level, travel, walls, context, batch);
     }
 
     /// [`Self::clear`] and [`Self::find_loads`] with the loads of the own bodies alone; those on bodies of other parts are

@@ -19,6 +19,7 @@ use crate::template::{OuterSphere, Template};
 use crate::travel::{TOUCHES, UNKNOWN, lowered};
 use crate::wall::{Nearest, Wall};
 use crate::wall_batch::WallBatch;
+use crate::window::Window;
 use crate::workspace::Workspace;
 use contact_law::ContactGeometry;
 use fearless_simd::Level;
@@ -182,7 +183,7 @@ impl WallNeighbours {
     /// Adds the forces found to those on each wall (N) and to its torque about the z axis (N m).
     pub(crate) fn add_to_walls(
         &self,
-        positions: &[Vector3<f64>],
+        positions: Window<'_, Vector3<f64>>,
         (load, torque): (&mut [Vector3<f64>], &mut [f64]),
     ) {
         for near in self.touching() {

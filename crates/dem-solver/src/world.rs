@@ -24,6 +24,7 @@ use crate::settings::Settings;
 use crate::spheres::sphere::Sphere;
 use crate::template::Template;
 use crate::wall::Wall;
+use crate::window::Window;
 use crate::workspace::Workspace;
 use fearless_simd::Level;
 use nalgebra::Vector3;
@@ -199,7 +200,7 @@ impl World {
     fn cut_parts(&mut self) {
         self.longest = f32::INFINITY;
         let (n_bodies, pieces) = (self.bodies.len(), self.workspaces.len());
-        let most = if self.pool.is_none() && self.is_of_spheres() {
+        let most = if self.is_of_spheres() {
             sweep::BODIES_OF_PART
         } else {
             MOST_BODIES_OF_PART
@@ -432,7 +433,7 @@ impl World {
                 self.wall_load.as_mut_slice(),
                 self.wall_torque.as_mut_slice(),
             );
-            part.add_to_walls(&self.bodies.position, on_walls);
+            part.add_to_walls(Window::whole(&self.bodies.position), on_walls);
         }
         (self.parts, self.workspaces) = (parts, workspaces);
         self.bodies.load = on_bodies;
@@ -576,7 +577,7 @@ impl World {
             cutoffs: self.cutoffs,
             time_step: self.settings.time_step,
             liquid: self.liquid.shares(),
-            spheres: &self.spheres,
+            spheres: Window::whole(&self.spheres),
         }
     }
 
@@ -637,7 +638,7 @@ impl World {
             }),
         }
         (self.parts, self.workspaces) = (parts, workspaces);
-        if self.can_be_swept() {
+        if self.is_of_spheres() {
             self.last_partners = sweep::last_partners(&self.parts);
         }
         // A bridge may pass from a triangle to one that is not listed: that must stay beyond its reach.

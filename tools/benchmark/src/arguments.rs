@@ -9,7 +9,7 @@ use std::path::PathBuf;
 ///
 /// Cost is time on the processor, as the kernel counts it: other work on the machine does not
 /// count. Each scene is measured in the flowing state, in blocks of steps; the figure is the median
-/// of the blocks. With --scaling it is time on the clock instead. Exit code: 0 measured; 2 error.
+/// of the blocks. With --scaling and --ranks it is time on the clock instead. Exit code: 0 measured; 2 error.
 #[derive(Debug, Parser)]
 #[command(name = "benchmark", version, about)]
 #[expect(
@@ -76,6 +76,10 @@ pub(crate) struct Arguments {
     /// Rounds of all codes with --peers
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..100))]
     pub(crate) rounds: u32,
+
+    /// Processes of each peer, by `mpirun`, and threads of this solver with --peers; above 1, times are by the clock
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "peers", value_parser = clap::value_parser!(u8).range(1..65))]
+    pub(crate) ranks: u8,
 
     /// Program of LIGGGHTS
     #[arg(long, value_name = "FILE", default_value = "liggghts")]

@@ -27,10 +27,16 @@ impl Code {
     }
 }
 
-/// Script that the peers start between blocks: it adds the time on the processor (ns) and the peak
-/// memory (KiB) of the process that started it to a file.
-pub(crate) const SAMPLE: &str = "echo \"$(cut -d' ' -f1 /proc/$PPID/schedstat) \
-    $(awk '/VmHWM/ {print $2}' /proc/$PPID/status)\" >> samples.txt\n";
+/// Script that the peers start between blocks: it adds the time on the processor, of several processes that by the clock (ns), and the
+/// peak memory (KiB) of the process that started it to a file.
+pub(crate) fn sample(plan: &Plan) -> String {
+    let time = if plan.ranks > 1 {
+        "date +%s%N"
+    } else {
+        "cut -d' ' -f1 /proc/$PPID/schedstat"
+    };
+    format!("echo \"$({time}) $(awk '/VmHWM/ {{print $2}}' /proc/$PPID/status)\" >> samples.txt\n")
+}
 
 /// How a peer is run.
 #[derive(Debug, Clone, Copy)]
@@ -42,6 +48,8 @@ pub(crate) struct Plan {
     pub(crate) time_step: f64,
     /// Neighbour skin of plain spheres, m.
     pub(crate) skin: f64,
+    /// Processes of a peer, and threads of this solver.
+    pub(crate) ranks: u8,
 }
 
 /// The files of a drum of plain spheres.
@@ -243,6 +251,7 @@ mod tests {
             blocks: 2,
             time_step: TIME_STEP,
             skin: 1e-3,
+            ranks: 1,
         };
         let script = |code| of_spheres(&drum, code, &plan).swap_remove(0).text;
         let (one, other) = (script(Code::Liggghts), script(Code::Lammps));
@@ -282,6 +291,7 @@ mod tests {
             blocks: 2,
             time_step: 1e-5,
             skin: 1e-3,
+            ranks: 1,
         };
         let script = |code| of_seeds(&drum, code, &plan).unwrap().swap_remove(0).text;
         let (one, other) = (script(Code::Liggghts), script(Code::Lammps));

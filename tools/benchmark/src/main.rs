@@ -76,7 +76,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
             .collect::<anyhow::Result<_>>()?,
     };
     arguments.common.print(if arguments.peers {
-        table::of_peers(&rows)
+        table::of_peers(&rows, arguments.ranks > 1)
     } else {
         table::of_scenes(&rows) + &table::of_phases(&rows)
     })?;

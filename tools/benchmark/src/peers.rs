@@ -70,6 +70,7 @@ impl Drum {
             blocks: arguments.blocks,
             time_step,
             skin: arguments.peer_skin_mm * 1e-3,
+            ranks: arguments.ranks,
         }
     }
 
@@ -118,7 +119,7 @@ fn compare_scene(
         arguments
             .common
             .log(|| format!("{scene}: round {round} of {}", arguments.rounds));
-        let mut world = drum.world()?;
+        let mut world = drum.world()?.on_threads(plan.ranks.into())?;
         let name = scene.to_string();
         let own_steps = steps_of_block(&plan, world.settings().time_step);
         let spheres = drum.spheres();
@@ -183,9 +184,9 @@ fn run_peer(
     for file in drum.files(peer.code, plan)? {
         write(&file.name, &file.text)?;
     }
-    write("sample.sh", deck::SAMPLE)?;
+    write("sample.sh", &deck::sample(plan))?;
     write("samples.txt", "")?;
-    let status = Command::new(&peer.program)
+    let status = command(&peer.program, plan.ranks)
         .args(["-in", deck::SCRIPT, "-log", "log.txt"])
         .current_dir(folder)
         .env("OMP_NUM_THREADS", "1")
@@ -222,7 +223,27 @@ fn run_peer(
     Ok(row)
 }
 
-/// Time on the processor (ns) and peak memory (KiB) behind each block.
+/// Starts a program in so many processes, by the `mpirun` in its folder: that of another library would start it as often alone.
+fn command(program: &Path, ranks: u8) -> Command {
+    if ranks == 1 {
+        return Command::new(program);
+    }
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let mut folders = std::env::split_paths(&path);
+    let folder = match program.parent() {
+        Some(parent) if parent != Path::new("") => Some(parent.to_owned()),
+        _ => folders.find(|folder| folder.join(program).exists()),
+    };
+    let starter = folder.unwrap_or_default().join("mpirun");
+    let mut command = Command::new(starter);
+    // Open MPI refuses the administrator otherwise, as in a container.
+    command.env("OMPI_ALLOW_RUN_AS_ROOT", "1");
+    command.env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
+    command.args(["-np", &ranks.to_string()]).arg(program);
+    command
+}
+
+/// Time on the processor, or by the clock of several processes (ns), and peak memory (KiB) behind each block.
 fn read_samples(file: &Path, plan: &Plan) -> anyhow::Result<Vec<(f64, f64)>> {
     let text = fs::read_to_string(file)?;
     let sample = |line: &str| {
@@ -285,6 +306,7 @@ mod tests {
             blocks: 1,
             time_step: 1e-5,
             skin: 1e-3,
+            ranks: 1,
         };
         let whole = file("whole", "5000 100\n9000 120\n");
         let read = read_samples(&whole, &plan).unwrap();

@@ -43,12 +43,13 @@ pub(crate) fn of_phases(rows: &[Row]) -> String {
     format!("\n\n{table}")
 }
 
-/// Table of all codes.
-pub(crate) fn of_peers(rows: &[Row]) -> String {
-    let head = "| scene | code | time step (us) | us per step | million sphere-steps/s | CPU-s per simulated \
+/// Table of all codes; times are by the clock where each has several processes or threads.
+pub(crate) fn of_peers(rows: &[Row], by_clock: bool) -> String {
+    let seconds = if by_clock { "s" } else { "CPU-s" };
+    let head = "| scene | code | time step (us) | us per step | million sphere-steps/s | # per simulated \
         second | peak memory (MiB) | cost over seedloop | centre of mass (deg) | kinetic energy \
         (uJ) |\n|---|---|---|---|---|---|---|---|---|---|";
-    lines(head, rows, |row| {
+    lines(&head.replace('#', seconds), rows, |row| {
         let ratio = row
             .cost_over_seedloop
             .map_or("-".into(), |r| format!("{r:.2}"));

@@ -14,6 +14,7 @@ use crate::spheres::pairs::SpherePairs;
 use crate::spheres::sphere::Sphere;
 use crate::transpose::{GROUP, Row, four_columns, transposed};
 use crate::travel::TOUCHES;
+use crate::window::Window;
 use fearless_simd::prelude::*;
 use fearless_simd::{f64x4, f64x8, mask64x8};
 use nalgebra::Vector3;
@@ -74,7 +75,7 @@ impl SphereBatch {
         simd: S,
         now: &[u32],
         pairs: &mut SpherePairs,
-        travel: &[f32],
+        travel: Window<'_, f32>,
         context: &Context<'_>,
         sink: &mut impl Sink,
     ) {
@@ -147,7 +148,7 @@ impl SphereBatch {
         simd: S,
         full: usize,
         pairs: &SpherePairs,
-        spheres: &[Sphere],
+        spheres: Window<'_, Sphere>,
     ) -> u64 {
         let mut touching = 0;
         let input = &mut *self.input;
@@ -199,7 +200,7 @@ impl SphereBatch {
 
 /// Notes when a pair that is apart is to be looked at again.
 #[inline(never)]
-fn sleep(pairs: &mut SpherePairs, pair: usize, travel: &[f32], context: &Context<'_>) {
+fn sleep(pairs: &mut SpherePairs, pair: usize, travel: Window<'_, f32>, context: &Context<'_>) {
     let bodies = pairs.ends[pair].bodies();
     let gap = gap(bodies.map(|body| &context.spheres[body]));
     let ways = travel[bodies[0]] + travel[bodies[1]];

@@ -11,6 +11,7 @@
 use crate::batch::Sink;
 use crate::context::Context;
 use crate::spheres::pairs::SpherePairs;
+use crate::window::Window;
 use crate::workspace::Workspace;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
@@ -22,7 +23,7 @@ const BLOCK: usize = 1024;
 pub(crate) fn add_sphere_forces(
     level: Level,
     pairs: &mut SpherePairs,
-    travel: &[f32],
+    travel: Window<'_, f32>,
     workspace: &mut Workspace,
     context: &Context<'_>,
     sink: &mut impl Sink,
@@ -35,7 +36,7 @@ pub(crate) fn add_sphere_forces(
 fn add_sphere_forces_on<S: Simd>(
     simd: S,
     pairs: &mut SpherePairs,
-    travel: &[f32],
+    travel: Window<'_, f32>,
     workspace: &mut Workspace,
     context: &Context<'_>,
     sink: &mut impl Sink,

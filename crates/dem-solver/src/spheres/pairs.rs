@@ -19,6 +19,7 @@ use crate::lanes::stored;
 use crate::lanes::{HALF, NUMBERS, keep, make_room};
 use crate::transpose::{Row, row, vector};
 use crate::travel::{TOUCHES, UNKNOWN, lowered};
+use crate::window::Window;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, u32x8};
 use nalgebra::Vector3;
@@ -144,7 +145,9 @@ impl SpherePairs {
 
     /// Ends a list that was begun.
     pub(crate) fn end(&mut self) {
-        self.ends.extend([Ends::default(); HALF]);
+        // The group behind the last pair reads its bodies, as those of no other part may be at hand.
+        let last = self.ends.last().copied().unwrap_or_default();
+        self.ends.extend([last; HALF]);
         self.wake.extend([f32::INFINITY; HALF]);
     }
 
@@ -155,7 +158,7 @@ impl SpherePairs {
         &self,
         simd: S,
         (from, to): (usize, usize),
-        travel: &[f32],
+        travel: Window<'_, f32>,
         awake: &mut Vec<u32>,
     ) -> usize {
         make_room(awake, to - from + HALF);

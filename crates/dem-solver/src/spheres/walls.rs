@@ -23,6 +23,7 @@ use crate::travel::{TOUCHES, UNKNOWN, lowered};
 use crate::wall::Wall;
 use crate::wall_batch::WallBatch;
 use crate::wall_force::sphere_at_wall;
+use crate::window::Window;
 use fearless_simd::Level;
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -121,7 +122,7 @@ impl SphereWalls {
     pub(crate) fn find_forces(
         &mut self,
         level: Level,
-        travel: &[f32],
+        travel: Window<'_, f32>,
         walls: &[Wall],
         context: &Context<'_>,
         batch: &mut WallBatch<usize>,
@@ -183,7 +184,7 @@ impl SphereWalls {
     /// Adds the forces found to those on each wall (N) and to its torque about the z axis (N m).
     pub(crate) fn add_to_walls(
         &self,
-        positions: &[Vector3<f64>],
+        positions: Window<'_, Vector3<f64>>,
         (force, torque): (&mut [Vector3<f64>], &mut [f64]),
     ) {
         for load in &self.loads {
