@@ -289,7 +289,8 @@ fn program(file: &Path) -> anyhow::Result<PathBuf> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Plan, read_result, read_samples};
+    use super::{Plan, command, read_result, read_samples};
+    use std::path::Path;
 
     /// A file of this test alone.
     fn file(name: &str, text: &str) -> std::path::PathBuf {
@@ -317,6 +318,19 @@ mod tests {
             std::fs::remove_file(broken).unwrap();
         }
         std::fs::remove_file(whole).unwrap();
+    }
+
+    /// Several processes are started by the `mpirun` beside the program, one by the program itself.
+    #[test]
+    fn ranks_are_started_by_the_library_of_the_program() {
+        let two = command(Path::new("/codes/bin/lmp"), 2);
+        assert_eq!(two.get_program(), "/codes/bin/mpirun");
+        assert!(two.get_args().eq(["-np", "2", "/codes/bin/lmp"]));
+        let one = command(Path::new("/codes/bin/lmp"), 1);
+        assert_eq!(
+            (one.get_program(), one.get_args().len()),
+            ("/codes/bin/lmp".as_ref(), 0)
+        );
     }
 
     /// The deck's own line comes first in the log, with the names of the variables.
