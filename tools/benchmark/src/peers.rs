@@ -195,7 +195,8 @@ fn run_peer(
         .status()
         .with_context(|| {
             let program = peer.program.display();
-            format!("cannot start {program}: install {name} or name its program")
+            let starter = if plan.ranks > 1 { " by mpirun" } else { "" };
+            format!("cannot start {program}{starter}: install {name} or name its program")
         })?;
     let log = folder.join("log.txt");
     anyhow::ensure!(
