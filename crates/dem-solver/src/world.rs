@@ -35,7 +35,7 @@ use std::sync::Arc;
 
 /// Pieces of work for each thread: enough that no thread waits long for another.
 const PIECES_PER_THREAD: usize = 4;
-/// Most bodies of a part of a world that is not swept: a workspace holds the lists of one part of before.
+/// Most bodies of a part where sweeps cannot be: a workspace holds the lists of one part of before.
 const MOST_BODIES_OF_PART: usize = 1 << 14;
 
 /// Bodies, walls and laws, and the time.
@@ -60,7 +60,7 @@ pub struct World {
     n_steps: u64,
     /// Lists of ranges of bodies.
     parts: Vec<Part>,
-    /// For each part the last one whose contacts act on its bodies, where the world is swept.
+    /// For each part the last one whose contacts act on its bodies, in a world of spheres.
     last_partners: Vec<usize>,
     /// What the threads work with, one for each piece of work; a piece is as many parts in a row.
     workspaces: Vec<Workspace>,
@@ -200,7 +200,7 @@ impl World {
     fn cut_parts(&mut self) {
         self.longest = f32::INFINITY;
         let (n_bodies, pieces) = (self.bodies.len(), self.workspaces.len());
-        let most = if self.is_of_spheres() {
+        let most = if self.is_local() {
             sweep::BODIES_OF_PART
         } else {
             MOST_BODIES_OF_PART

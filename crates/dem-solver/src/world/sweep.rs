@@ -278,7 +278,14 @@ impl World {
         self.templates.iter().all(|template| template.is_sphere)
     }
 
-    /// Whether a body depends on the bodies near it alone, and there are parts enough for each thread.
+    /// Whether a body depends on the bodies near it alone.
+    pub(super) fn is_local(&self) -> bool {
+        self.is_of_spheres()
+            && self.mesh_walls.moving.is_empty()
+            && !self.interactions.iter().any(Interaction::is_wet)
+    }
+
+    /// Whether that is so, and there are parts enough for each thread.
     pub(super) fn can_be_swept(&self) -> bool {
         let threads = self.n_threads();
         let fewest = if threads > 1 {
@@ -286,10 +293,7 @@ impl World {
         } else {
             2
         };
-        self.parts.len() >= fewest
-            && self.is_of_spheres()
-            && self.mesh_walls.moving.is_empty()
-            && !self.interactions.iter().any(Interaction::is_wet)
+        self.parts.len() >= fewest && self.is_local()
     }
 
     /// The number of steps, at most so many, for which the lists hold or are made again; 1 if bodies are too fast for that to pay.

@@ -98,7 +98,7 @@ def run(case, values):
     states = []
     for n in case.steps():
         O.run(n, True)
-        state = O.bodies[len(O.bodies) - len(case.walls) - 1 if case.has_clumps else 0].state
+        state = O.bodies[len(case.spheres) if case.has_clumps else 0].state
         states.append([*state.pos, *state.vel, *state.angVel])
     if case.is_packing:
         return cases.read_packing(case, [list(O.bodies[k].state.pos) for k in range(len(case.spheres))], values["radius"])
