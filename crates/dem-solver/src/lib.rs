@@ -101,7 +101,7 @@ pub use health::HealthLimits;
 pub use interaction::{Interaction, InteractionSettings, OptionalLaws};
 pub use ledger::{EnergyLedger, EnergyTerms};
 pub use load::Load;
-pub use mesh_wall::{AxialLoad, MeshWall, Motion, Vibration};
+pub use mesh_wall::{AxialLoad, MeshPose, MeshWall, Motion, Vibration};
 
 pub use phases::StepPhases;
 pub use settings::Settings;

@@ -101,6 +101,26 @@ impl Vibration {
     }
 }
 
+/// Where a wall of triangles stands, relative to its start.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct MeshPose {
+    /// Centre of rotation at the start, m.
+    pub about: Vector3<f64>,
+    /// Way of the centre of rotation, m.
+    pub displacement: Vector3<f64>,
+    /// Turn about the centre of rotation.
+    pub turn: UnitQuaternion<f64>,
+    /// Whether the wall was taken away.
+    pub removed: bool,
+}
+
+impl MeshPose {
+    /// Where a corner is that was at a place at the start, m.
+    pub fn place(&self, start: &Vector3<f64>) -> Vector3<f64> {
+        self.turn * (start - self.about) + self.about + self.displacement
+    }
+}
+
 /// Where a wall is on its way.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Path {
@@ -235,6 +255,16 @@ impl Moving {
     /// Displacement of the centre of rotation since the start, m.
     pub(crate) fn displacement(&self) -> Vector3<f64> {
         self.shift + self.swing
+    }
+
+    /// Where it stands now.
+    pub(crate) fn pose(&self) -> MeshPose {
+        MeshPose {
+            about: self.wall.motion.about,
+            displacement: self.displacement(),
+            turn: self.turn,
+            removed: self.removed,
+        }
     }
 
     /// Changes velocity, spin and vibration at a time (s); the centre of rotation stays. Another vibration begins

@@ -17,7 +17,7 @@ use crate::integrate::Surroundings;
 use crate::interaction::Interaction;
 use crate::liquid::{Liquid, most_given};
 use crate::mesh_force::MeshWalls;
-use crate::mesh_wall::{MeshWall, Motion, Moving};
+use crate::mesh_wall::{MeshPose, MeshWall, Motion, Moving};
 use crate::part::{Part, find_loads, give_loads};
 use crate::phases::{Clock, StepPhases};
 use crate::settings::Settings;
@@ -525,6 +525,11 @@ impl World {
     /// Displacement (m) of the centre of rotation of each wall of triangles since its start.
     pub fn mesh_displacements(&self) -> impl Iterator<Item = Vector3<f64>> + '_ {
         self.mesh_walls.moving.iter().map(Moving::displacement)
+    }
+
+    /// Where each wall of triangles stands.
+    pub fn mesh_poses(&self) -> impl Iterator<Item = MeshPose> + '_ {
+        self.mesh_walls.moving.iter().map(Moving::pose)
     }
 
     /// Time since the start, s.

@@ -203,6 +203,7 @@ impl BondedSeeds {
             orientation: Vec::new(),
             velocity: Vec::new(),
             spin: Vec::new(),
+            walls: Vec::new(),
         };
         for &(kind, first) in &self.seeds {
             let spheres = built.bodies[kind].clump.spheres();

@@ -1,6 +1,7 @@
 //! A frame: where the seeds are at one moment, what the camera sees, and what it reads.
 
 use crate::{DrumCamera, Error, Scene, SeedBody};
+use dem_solver::MeshPose;
 use image::RgbImage;
 use nalgebra::{UnitQuaternion, Vector3};
 use photo_profile::{NoShift, PhotoReading};
@@ -23,6 +24,10 @@ pub struct Frame {
     pub velocity: Vec<Vector3<f64>>,
     /// Angular velocities, rad/s.
     pub spin: Vec<Vector3<f64>>,
+    /// Where each wall of triangles stands, in the order of [`crate::walls_in_frame`]; empty if it is not known, as in a frame
+    /// of another code.
+    #[serde(default)]
+    pub walls: Vec<MeshPose>,
 }
 
 /// Readings of a frame, by its picture and by the positions of its spheres.
@@ -181,6 +186,7 @@ mod tests {
             orientation: vec![UnitQuaternion::identity(); n],
             velocity: vec![Vector3::zeros(); n],
             spin: vec![Vector3::zeros(); n],
+            walls: Vec::new(),
         };
         (scene, body, frame)
     }
@@ -279,6 +285,7 @@ mod tests {
                 orientation: vec![UnitQuaternion::identity()],
                 velocity: vec![Vector3::zeros()],
                 spin: vec![Vector3::zeros()],
+                walls: Vec::new(),
             };
             let picture = drum_picture(&scene, std::slice::from_ref(&body), &frame).unwrap();
             let column = picture.width() / 2;

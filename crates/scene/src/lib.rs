@@ -78,7 +78,7 @@ pub use material::{MaterialSettings, Stiffness};
 pub use memory_order::SORTED_FROM;
 pub use motion::Progress;
 pub use named_setting::{NamedSetting, SettingKind};
-pub use obstacles::{VibrationSettings, WallSettings};
+pub use obstacles::{PlacedWall, VibrationSettings, WallSettings, walls_in_frame};
 pub use outline::read_pile;
 pub use parse::{Override, like_names, setting_at};
 pub use phase_times::{PhaseTimes, TimeSpent};

@@ -75,6 +75,7 @@ impl Built {
             orientation: column(&bodies.orientation, &places),
             velocity: column(&bodies.velocity, &places),
             spin: column(&bodies.spin, &places),
+            walls: Vec::new(),
         }
     }
 

@@ -426,10 +426,14 @@ fn set_share_of_speed(scene: &Scene, built: &mut Built, share: f64) -> Result<()
     Ok(())
 }
 
-/// Poses of all seeds.
+/// Poses of all seeds and walls.
 pub(crate) fn snapshot(built: &Built, time: f64) -> Frame {
-    if let Some(bonds) = &built.bonds {
-        return bonds.frame(built, time);
+    let seeds = match &built.bonds {
+        Some(bonds) => bonds.frame(built, time),
+        None => built.seeds_in_order(time),
+    };
+    Frame {
+        walls: built.world.mesh_poses().collect(),
+        ..seeds
     }
-    built.seeds_in_order(time)
 }

@@ -2,7 +2,7 @@
 
 use crate::apparatus::NamedMesh;
 use crate::check::bad;
-use crate::{Error, Scene, SeedSettings};
+use crate::{Error, Frame, Scene, SeedSettings};
 use dem_solver::{Motion, Vibration};
 use input::quantity::{AngularSpeed, Frequency, Length, Speed};
 use nalgebra::Vector3;
@@ -152,6 +152,41 @@ pub(crate) fn mesh_walls(scene: &Scene) -> Result<Vec<NamedMesh>, Error> {
         walls.push(wall.read(scene)?);
     }
     Ok(walls)
+}
+
+/// A wall of triangles in a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlacedWall {
+    /// Name.
+    pub name: String,
+    /// Whether it belongs to the apparatus.
+    pub is_own: bool,
+    /// Corners of its triangles, m.
+    pub triangles: Vec<[Vector3<f64>; 3]>,
+}
+
+/// The walls of triangles of a scene where they stand in a frame, without those that were taken away: those of the apparatus, then
+/// those that the user brings. If the frame does not know them, they stand as at the start.
+///
+/// # Errors
+///
+/// A mesh that is refused.
+pub fn walls_in_frame(scene: &Scene, frame: &Frame) -> Result<Vec<PlacedWall>, Error> {
+    let own = scene.apparatus.device().mesh_walls().len();
+    let mut placed = Vec::new();
+    for (number, wall) in mesh_walls(scene)?.into_iter().enumerate() {
+        let pose = frame.walls.get(number);
+        if pose.is_some_and(|pose| pose.removed) {
+            continue;
+        }
+        let place = |corner: Vector3<f64>| pose.map_or(corner, |pose| pose.place(&corner));
+        placed.push(PlacedWall {
+            name: wall.name,
+            is_own: number < own,
+            triangles: wall.triangles.iter().map(|t| t.map(place)).collect(),
+        });
+    }
+    Ok(placed)
 }
 
 impl Scene {

@@ -1,11 +1,8 @@
 //! A frame as a picture to look at: drums as their camera sees them, heaps and boxes from the side, other apparatus in section.
 
-use crate::apparatus::NamedMesh;
-use crate::motion::SERIES_INTERVAL;
-use crate::obstacles::mesh_walls;
-use crate::phases::Phase;
+use crate::obstacles::walls_in_frame;
 use crate::{Apparatus, DrumCamera, Error, Frame, PouredHeap, Scene, SeedBody};
-use dem_solver::{Motion, Shape};
+use dem_solver::Shape;
 use frame_render::{RenderSphere, SideView, render_side, seed_colour};
 use image::{DynamicImage, RgbImage};
 use input::quantity::Angle;
@@ -48,8 +45,12 @@ pub fn frame_picture(
     if scene.apparatus.has_phases() && !scene.apparatus.device().leaves_a_heap() {
         return in_section(scene, bodies, frame).map(Some);
     }
-    let walls = walls_at(scene, frame.time)?;
-    if scene.apparatus.has_phases() {
+    // Of a released heap, what held it is out of the way or hides it.
+    let is_heap = scene.apparatus.has_phases();
+    let placed = walls_in_frame(scene, frame)?;
+    let seen = placed.iter().filter(|wall| !(is_heap && wall.is_own));
+    let walls: Vec<Corners> = seen.flat_map(|wall| &wall.triangles).map(drawn).collect();
+    if is_heap {
         return from_the_side(scene, bodies, frame, walls).map(Some);
     }
     let camera = DrumCamera::of(scene);
@@ -88,29 +89,16 @@ pub(crate) fn heap_angles(
     Ok(angles)
 }
 
-/// The inside of an apparatus: seeds, and of the walls that stay where they are the half behind the axis.
+/// The inside of an apparatus: seeds, and the half of the walls behind the axis.
 fn in_section(scene: &Scene, bodies: &[Arc<SeedBody>], frame: &Frame) -> Result<RgbImage, Error> {
     let device = scene.apparatus.device();
-    let phases = device.plan(scene).map_or_else(Vec::new, |plan| plan.phases);
-    let stays = |mesh: &NamedMesh| {
-        let is_moved = |phase: &Phase| {
-            phase.motions.iter().any(|(name, _)| *name == mesh.name)
-                || phase.removed.contains(&mesh.name)
-        };
-        let at_rest = Motion {
-            about: mesh.motion.about,
-            ..Motion::default()
-        };
-        mesh.motion == at_rest && !phases.iter().any(is_moved)
-    };
-    let meshes = mesh_walls(scene)?;
     let behind = |corners: &&[Vector3<f64>; 3]| corners.iter().map(|c| c.z).sum::<f64>() <= 0.0;
-    let drawn = meshes.iter().filter(|mesh| stays(mesh));
-    let mut walls: Vec<Corners> = drawn
-        .flat_map(|mesh| &mesh.triangles)
-        .filter(behind)
-        .map(|corners| corners.each_ref().map(|c| (*c).into()))
-        .collect();
+    let placed = walls_in_frame(scene, frame)?;
+    let behind = placed
+        .iter()
+        .flat_map(|wall| &wall.triangles)
+        .filter(behind);
+    let mut walls: Vec<Corners> = behind.map(drawn).collect();
     for wall in device.walls() {
         if let Shape::Rectangle {
             centre,
@@ -139,46 +127,9 @@ fn in_section(scene: &Scene, bodies: &[Arc<SeedBody>], frame: &Frame) -> Result<
     Ok(render_side(&spheres.collect::<Vec<_>>(), &walls, &view)?)
 }
 
-/// The walls of triangles at a time after the start of the drive, s; the cylinder or gate of a release has been lifted.
-fn walls_at(scene: &Scene, time: f64) -> Result<Vec<Corners>, Error> {
-    let own = scene.apparatus.device().mesh_walls().len();
-    let mut all = Vec::new();
-    for (number, wall) in mesh_walls(scene)?.into_iter().enumerate() {
-        let is_own = number < own;
-        if is_own && scene.apparatus.has_phases() {
-            continue;
-        }
-        // What belongs to the drum follows its schedule.
-        let turned = if is_own {
-            turning_time(scene, time)
-        } else {
-            time
-        };
-        let moved = |corner: &Vector3<f64>| place_of(corner, &wall.motion, time, turned).into();
-        all.extend(wall.triangles.iter().map(|t| t.each_ref().map(moved)));
-    }
-    Ok(all)
-}
-
-/// Time in which a drum at its full speed turns as far as it has by a time, s.
-fn turning_time(scene: &Scene, time: f64) -> f64 {
-    let mut sum = 0.0;
-    let mut at = 0.0;
-    while at < time {
-        let step = SERIES_INTERVAL.min(time - at);
-        sum += step * scene.apparatus.device().share_of_speed(at).unwrap_or(1.0);
-        at += SERIES_INTERVAL;
-    }
-    sum
-}
-
-/// Where a point of a wall is after a time with its motion, s, in which it turned for so long.
-fn place_of(start: &Vector3<f64>, motion: &Motion, time: f64, turned: f64) -> Vector3<f64> {
-    let turn = UnitQuaternion::from_scaled_axis(turned * motion.spin);
-    let swing = motion.vibration.map_or_else(Vector3::zeros, |vibration| {
-        vibration.amplitude * (vibration.angular_frequency * time).sin()
-    });
-    turn * (start - motion.about) + motion.about + time * motion.velocity + swing
+/// The corners of a triangle for the picture.
+fn drawn(corners: &[Vector3<f64>; 3]) -> Corners {
+    corners.map(Into::into)
 }
 
 /// A heap or a box from the side.
@@ -255,9 +206,11 @@ fn from_the_side(
 mod tests {
     use super::frame_picture;
     use crate::{FillingLibrary, Frame, Scene};
+    use dem_solver::MeshPose;
     use image::{DynamicImage, RgbImage};
     use nalgebra::{UnitQuaternion, Vector3};
     use photo_profile::{Mode, PhotoPixels, PhotoReading, Settings, measure_photo};
+    use std::f64::consts::FRAC_PI_2;
 
     /// Balls of 2 mm in an apparatus, with further sections.
     fn scene(apparatus: &str, more: &str) -> Scene {
@@ -274,17 +227,34 @@ mod tests {
         Scene::from_text(&text, "any.toml", &folder, &[]).unwrap()
     }
 
-    /// The picture of balls at these places, at a time after the start of the drive.
-    fn picture(scene: &Scene, time: f64, places: Vec<Vector3<f64>>) -> Option<RgbImage> {
+    /// A wall that has not moved.
+    fn at_rest() -> MeshPose {
+        MeshPose {
+            about: Vector3::zeros(),
+            displacement: Vector3::zeros(),
+            turn: UnitQuaternion::identity(),
+            removed: false,
+        }
+    }
+
+    /// Whether the colour of walls is seen at a place of a picture, pixels.
+    fn is_wall(picture: &RgbImage, [x, y]: [u32; 2]) -> bool {
+        let [r, _, b] = picture.get_pixel(x, y).0;
+        b > r + 20
+    }
+
+    /// The picture of balls at these places, and of walls.
+    fn picture(scene: &Scene, places: Vec<Vector3<f64>>, walls: Vec<MeshPose>) -> Option<RgbImage> {
         let body = FillingLibrary::default().body(scene, &scene.seed[0]);
         let n = places.len();
         let frame = Frame {
-            time,
+            time: 0.0,
             kind: vec![0; n],
             position: places,
             orientation: vec![UnitQuaternion::identity(); n],
             velocity: vec![Vector3::zeros(); n],
             spin: vec![Vector3::zeros(); n],
+            walls,
         };
         frame_picture(scene, &[body.unwrap()], &frame).unwrap()
     }
@@ -315,7 +285,7 @@ mod tests {
             Vector3::new(side, 0.001, 1e-3 * f64::from(k))
         });
         let places: Vec<_> = on_cone.chain(strays).collect();
-        let drawn = picture(&scene(HEAP, ""), 1.0, places).unwrap();
+        let drawn = picture(&scene(HEAP, ""), places, Vec::new()).unwrap();
         let pixels = PhotoPixels::from_picture(&DynamicImage::from(drawn));
         let settings = Settings {
             mode: Mode::Heap,
@@ -339,11 +309,8 @@ mod tests {
         let places = (0..40)
             .map(|k| Vector3::new(1e-3 * f64::from(k), 0.001, 0.0))
             .collect();
-        let drawn = picture(&scene(text, ""), 1.0, places).unwrap();
-        let is_wall = |x: u32, y: u32| {
-            let [r, _, b] = drawn.get_pixel(x, y).0;
-            b > r + 20
-        };
+        let drawn = picture(&scene(text, ""), places, Vec::new()).unwrap();
+        let is_wall = |x: u32, y: u32| is_wall(&drawn, [x, y]);
         assert!(
             is_wall(240, 470) && is_wall(5, 300),
             "floor below, back on the left"
@@ -353,11 +320,11 @@ mod tests {
             "air above and before"
         );
         let sled = scene(r#"{ kind = "slider", plate = "a" }"#, "");
-        assert!(picture(&sled, 0.0, Vec::new()).is_none());
+        assert!(picture(&sled, Vec::new(), Vec::new()).is_none());
     }
 
-    /// A ball of a mesh, 40 mm to the right of the axis of a drum, that turns by a quarter in a second stands above the axis, and
-    /// before the drive starts on the right. The angle is read from a picture without it.
+    /// A ball of a mesh, 40 mm to the right of the axis of a drum, is drawn there if the frame does not know it, and above the axis
+    /// once it has turned by a quarter. The angle is read from a picture without it.
     #[test]
     fn a_wall_is_drawn_where_it_has_moved() {
         let wall = r#"
@@ -367,13 +334,16 @@ mod tests {
             mesh_unit = "mm"
             material = "a"
             position = ["40 mm", "0 mm", "0 mm"]
-            spin = ["0 rpm", "0 rpm", "15 rpm"]
         "#;
         let drum = r#"{ kind = "drum", inner_diameter = "120 mm", width = "30 mm", speed = "20 rpm", shell = "a",
             cover = "a" }"#;
         let scene = scene(drum, wall);
-        for (time, [x, y]) in [(0.0, [0.04, 0.0]), (1.0, [0.0, 0.04])] {
-            let drawn = picture(&scene, time, vec![Vector3::new(0.0, -0.05, 0.0)]).unwrap();
+        let turned = MeshPose {
+            turn: UnitQuaternion::from_axis_angle(&Vector3::z_axis(), FRAC_PI_2),
+            ..at_rest()
+        };
+        for (walls, [x, y]) in [(Vec::new(), [0.04, 0.0]), (vec![turned], [0.0, 0.04])] {
+            let drawn = picture(&scene, vec![Vector3::new(0.0, -0.05, 0.0)], walls).unwrap();
             let blue = |x: f64, y: f64| {
                 let scale = 240.0 / (0.06 * 1.08);
                 #[expect(
@@ -382,11 +352,41 @@ mod tests {
                     reason = "a place in the picture"
                 )]
                 let at = [239.5 + scale * x, 239.5 - scale * y].map(|p| p as u32);
-                let [r, _, b] = drawn.get_pixel(at[0], at[1]).0;
-                b > r + 20
+                is_wall(&drawn, at)
             };
-            assert!(blue(x, y), "{time} s");
-            assert!(!blue(y, x) && !blue(0.0, 0.0), "{time} s");
+            assert!(blue(x, y), "at {x} m, {y} m");
+            assert!(!blue(y, x) && !blue(0.0, 0.0), "only at {x} m, {y} m");
         }
+    }
+
+    /// A level plate of a machine is a line at its height; lowered by 8 mm it is drawn there and not where it was, and taken away it is
+    /// not drawn. The view is 40 mm high in 1.1 times 480 pixels.
+    #[test]
+    fn a_section_shows_a_plate_where_it_is() {
+        let machine = r#"{ kind = "machine", room = [["-20 mm", "0 mm", "-20 mm"], ["20 mm", "40 mm", "20 mm"]],
+            wall = [{ name = "plate", material = "a", shape.rectangle = { corner = ["-15 mm", "30 mm", "-15 mm"],
+            edges = [["30 mm", "0 mm", "0 mm"], ["0 mm", "0 mm", "30 mm"]] } }], phase = [{ name = "rest", end.after = "1 s" }],
+            probe = [{ name = "bed_g", reads.mass = {} }] }"#;
+        let scene = scene(machine, "");
+        let heights = |walls: Vec<MeshPose>| {
+            let drawn = picture(&scene, vec![Vector3::new(0.0, 0.003, 0.0)], walls).unwrap();
+            let height = |row: &u32| 0.02 + (239.5 - f64::from(*row)) / 240.0 * 0.022;
+            let rows = (0..480_u32).filter(|row| is_wall(&drawn, [150, *row]));
+            rows.map(|row| height(&row)).collect::<Vec<_>>()
+        };
+        let lowered = MeshPose {
+            displacement: Vector3::y() * -0.008,
+            ..at_rest()
+        };
+        let taken = MeshPose {
+            removed: true,
+            ..at_rest()
+        };
+        // Half the width of a line and half a pixel.
+        let at =
+            |seen: &[f64], y: f64| !seen.is_empty() && seen.iter().all(|h| (h - y).abs() < 0.00015);
+        assert!(at(&heights(Vec::new()), 0.03));
+        assert!(at(&heights(vec![lowered]), 0.022));
+        assert!(heights(vec![taken]).is_empty());
     }
 }

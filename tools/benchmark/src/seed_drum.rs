@@ -136,6 +136,7 @@ impl SeedDrum {
             orientation: all.iter().map(|p| p.orientation).collect(),
             velocity: all.iter().map(|p| p.velocity).collect(),
             spin: all.iter().map(|p| p.spin).collect(),
+            walls: Vec::new(),
         }
     }
 }

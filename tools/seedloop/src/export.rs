@@ -105,12 +105,12 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         }
         Format::Vtk | Format::Csv => {
             let result = scene::run(&scene, &library, arguments.seed)?;
-            let series = if arguments.format == Format::Vtk {
-                vtk::series
+            let (frames, bodies) = (&result.frames, &result.bodies);
+            if arguments.format == Format::Vtk {
+                vtk::series("frames", &scene, frames, bodies)?
             } else {
-                csv::series
-            };
-            series("frames", &scene, &result.frames, &result.bodies)
+                csv::series("frames", &scene, frames, bodies)
+            }
         }
     };
     add_warnings(&mut files, &warnings);

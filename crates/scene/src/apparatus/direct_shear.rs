@@ -129,6 +129,11 @@ impl Device for DirectShear {
         ]
     }
 
+    fn view(&self) -> [Vector3<f64>; 2] {
+        let [low, high] = self.room();
+        [low, high + Vector3::x() * self.displacement.si()]
+    }
+
     fn radius(&self) -> f64 {
         0.5 * self.length.si()
     }

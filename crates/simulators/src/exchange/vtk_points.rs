@@ -306,7 +306,7 @@ mod tests {
         let scene = Scene::read(&file, &few).unwrap();
         let (mut frame, bodies, _) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
         frame.velocity[3].x = 0.125;
-        let files = series("bed", &scene, std::slice::from_ref(&frame), &bodies);
+        let files = series("bed", &scene, std::slice::from_ref(&frame), &bodies).unwrap();
         let read = read_xml(&files[1].text, "bed.vtp").unwrap();
         let all = crate::exchange::fractions::fractions(&frame, &bodies);
         assert_eq!(read.spheres.len(), all.len());

@@ -283,7 +283,7 @@ fn positions_of_another_code_are_read_by_the_same_ruler() {
     assert!(outcome.regime.is_some());
 
     // The same as VTK, whose files tell no times.
-    for file in vtk::series("bed", &scene, frames, &run.bodies) {
+    for file in vtk::series("bed", &scene, frames, &run.bodies).unwrap() {
         fs::write(handed.join(file.name), file.text).unwrap();
     }
     script.settings.results.positions = Some("bed_*.vtp".into());

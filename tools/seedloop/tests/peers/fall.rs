@@ -53,6 +53,7 @@ fn height_here(scene: &Scene, library: &FillingLibrary, seed: u64) -> f64 {
         orientation: now.orientation.clone(),
         velocity: now.velocity.clone(),
         spin: now.spin.clone(),
+        walls: Vec::new(),
     };
     Moment::of(&frame, &bodies).height()
 }
