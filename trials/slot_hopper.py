@@ -28,9 +28,8 @@ def measured():
 
 def simulated(path):
     run = json.loads(Path(path).read_text())
-    curve, left = run["discharge"], run["observables"]["left_behind_g"]["mean"]
-    filled = curve["mass_g"][-1] + left
-    points = [(t, 100 * m / filled) for t, m in zip(curve["time_s"], curve["mass_g"])]
+    curve = run["curve"]["columns"]
+    points = list(zip(curve["time_s"], curve["percent"]))
     return points[:: max(1, len(points) // 200)] + points[-1:]
 
 

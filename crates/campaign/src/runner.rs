@@ -9,6 +9,7 @@ use std::time::Duration;
 use crate::board::{Failure, lock};
 use crate::claims::Keeper;
 use crate::jobs::{Job, JobList};
+use crate::simulator::with_further;
 use crate::time_left::end_of_last;
 use crate::workers::Hall;
 use crate::{Cores, Error, Pace, Progress, RunRequest, Simulator};
@@ -121,10 +122,17 @@ impl<'a> Campaign<'a> {
         let list = JobList::new(simulator, requests);
         let (jobs, job_of_request) = list.all_accepted(requests)?;
         let records = collect(&jobs, self.do_all(&jobs)?)?;
-        Ok(job_of_request
-            .into_iter()
-            .filter_map(|job| records.get(job).cloned())
-            .collect())
+        let read = requests.iter().zip(job_of_request);
+        let read = read.filter_map(|(request, job)| Some((request, records.get(job)?.clone())));
+        read.map(|(request, record)| {
+            with_further(simulator, request, record).map_err(|source| Error::Run {
+                request: Box::new(request.clone()),
+                source,
+                n_failed: 1,
+                n_runs: jobs.len(),
+            })
+        })
+        .collect()
     }
 
     /// The same, but a run that fails or a request that is refused costs its own record only: for each request,
@@ -155,10 +163,13 @@ impl<'a> Campaign<'a> {
                 }
             });
         }
-        Ok(of_request
-            .into_iter()
-            .filter_map(|job| match job {
-                Ok(job) => each.get(job).cloned(),
+        let read = |request, record: Record| {
+            with_further(simulator, request, record).map_err(|error| error.in_full())
+        };
+        let jobs_of = requests.iter().zip(of_request);
+        Ok(jobs_of
+            .filter_map(|(request, job)| match job {
+                Ok(job) => Some(each.get(job)?.clone().and_then(|r| read(request, r))),
                 Err(refusal) => Some(Err(refusal.in_full())),
             })
             .collect())

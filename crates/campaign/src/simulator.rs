@@ -1,8 +1,10 @@
 //! The simulator seen from outside.
 
 use serde_json::Value;
+use std::collections::BTreeMap;
 
 use crate::error::in_full;
+use crate::run_store::{Observation, Record};
 use crate::{Cores, RunOutcome, RunRequest};
 
 /// Anything that turns a request into observables; the same request gives the same numbers.
@@ -32,6 +34,33 @@ pub trait Simulator: Sync {
             request: request.clone(),
         }))
     }
+
+    /// What a request reads from the record of its finished run beside the observables that the record keeps, such as numbers about a
+    /// measured curve: two requests for one run may read it in different ways. By default nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`SimulatorError`] if the record does not show what is asked.
+    fn read_further(
+        &self,
+        request: &RunRequest,
+        record: &Record,
+    ) -> Result<BTreeMap<String, Observation>, SimulatorError> {
+        let _ = (request, record);
+        Ok(BTreeMap::new())
+    }
+}
+
+/// A record with what a request reads further from it.
+pub(crate) fn with_further(
+    simulator: &dyn Simulator,
+    request: &RunRequest,
+    record: Record,
+) -> Result<Record, SimulatorError> {
+    let further = simulator.read_further(request, &record)?;
+    record
+        .with_observables(further)
+        .map_err(SimulatorError::other)
 }
 
 /// A run that is ready to be done.

@@ -3,8 +3,10 @@
 use crate::diagnosis_stage::length_of;
 use crate::samples::Runner;
 use crate::{PlannedStage, RunList, StageCost};
+use campaign::run_store::{Observation, Record};
 use campaign::{Cores, PreparedRun, RunOutcome, RunRequest, Simulator, SimulatorError};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -118,6 +120,14 @@ impl Simulator for Counted<'_> {
         let prepared = self.simulator.prepare(request)?;
         let count = &self.count;
         Ok(Box::new(CountedRun { prepared, count }))
+    }
+
+    fn read_further(
+        &self,
+        request: &RunRequest,
+        record: &Record,
+    ) -> Result<BTreeMap<String, Observation>, SimulatorError> {
+        self.simulator.read_further(request, record)
     }
 }
 

@@ -3,6 +3,7 @@
 mod whole_loop {
     mod coarse_graining;
     mod coverage;
+    mod curves;
     mod drawn_studies;
     mod estimates;
     mod inputs;

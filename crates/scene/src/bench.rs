@@ -204,7 +204,7 @@ pub(crate) fn run_bench(
         readings: Vec::new(),
         filling_angles: Vec::new(),
         observables,
-        discharge: Vec::new(),
+        curve: None,
         regime: None,
         motion: None,
         settling_time_step: parts.time_step,

@@ -24,6 +24,7 @@ mod bench;
 mod bonded;
 mod build;
 mod check;
+mod curve;
 mod driven_pile;
 mod drum_camera;
 mod error;
@@ -68,6 +69,7 @@ pub use apparatus::{
 };
 pub use bed_motion::{BedMotion, MotionEvidence};
 pub use bonded::BondedSettings;
+pub use curve::{Curve, CurveKind};
 pub use drum_camera::DrumCamera;
 pub use error::Error;
 pub use filling::{FilledShape, FillingLibrary, SeedBody};

@@ -1,6 +1,7 @@
 //! Runs in phases: the seeds are filled in and settle, then the walls move, phase by phase, and outlets take seeds out.
 
 use crate::build::Built;
+use crate::curve::Curve;
 use crate::driven_pile::is_driven_by_rolling;
 use crate::keeper::Keeper;
 use crate::motion::{Progress, Running, SERIES_INTERVAL, advance, rest_energy, settle, snapshot};
@@ -323,8 +324,8 @@ pub(crate) struct PhasesDone {
     /// The seeds at the end.
     pub(crate) frame: Frame,
     pub(crate) observables: Vec<ObservableValues>,
-    /// Times (s) and masses (kg) of the seeds that were taken out in the last phase, in order of time.
-    pub(crate) discharge: Vec<[f64; 2]>,
+    /// The curve of the apparatus.
+    pub(crate) curve: Option<Curve>,
     /// Why the last phase does not count as ended.
     pub(crate) doubt: Option<Doubt>,
     /// Times by the clock of filling, of the phases and of reading, s.
@@ -373,12 +374,15 @@ pub(crate) fn run_phases(
             .collect(),
     };
     let observables = device.observe(&seen)?;
-    let discharge = seen.passages(seen.last_phase());
+    let curve = device.curve().map(|kind| Curve {
+        kind,
+        rows: device.read_curve(&seen),
+    });
     Ok(PhasesDone {
         built,
         frame,
         observables,
-        discharge,
+        curve,
         doubt,
         laps_s: [filling, moving, watch.lap()],
     })

@@ -16,7 +16,8 @@ use crate::phases::{Plan, run_phases};
 use crate::series::SeriesPoint;
 use crate::steady::SteadyState;
 use crate::{
-    Doubt, DrumCamera, Error, FillingLibrary, Frame, FrameReading, Scene, SeedBody, read_frame,
+    Curve, Doubt, DrumCamera, Error, FillingLibrary, Frame, FrameReading, Scene, SeedBody,
+    read_frame,
 };
 use dem_solver::{Census, Placement, World};
 use geometry::clump::Sphere;
@@ -119,8 +120,8 @@ pub struct RunResult {
     pub filling_angles: Vec<f64>,
     /// Observables beside the angle.
     pub observables: Vec<ObservableValues>,
-    /// Seeds that were taken out through an outlet, in order of time: time since the start of its phase (s) and mass (kg) of each.
-    pub discharge: Vec<[f64; 2]>,
+    /// The curve of an apparatus with phases; `None` of one that gives none.
+    pub curve: Option<Curve>,
     /// How the bed moves; none in a bench test, which has no bed.
     pub regime: Option<Regime>,
     /// The form of its motion in a turning drum; none elsewhere.
@@ -227,7 +228,7 @@ pub fn run_on(
     }
     Ok(RunResult {
         observables,
-        discharge: Vec::new(),
+        curve: None,
         series,
         ending: Ending::Turned(state),
         frames,
@@ -344,7 +345,7 @@ fn in_phases(
         readings: Vec::new(),
         filling_angles: Vec::new(),
         observables: result.observables,
-        discharge: result.discharge,
+        curve: result.curve,
         regime: Some(Regime::Resting),
         motion: None,
         settling_time_step: world.settings().time_step,

@@ -25,7 +25,7 @@ pub use binding::Binding;
 pub use body_details::BodyDetails;
 pub use cost::SECONDS_PER_COST;
 pub use details::{
-    DischargeDetails, FrameDetails, RunDetails, SeriesDetails, TimingDetails, effective_number,
+    CurveDetails, FrameDetails, RunDetails, SeriesDetails, TimingDetails, effective_number,
     error_over_swings, no_surface, no_surface_of, png_in_base64,
 };
 pub use error::Error;

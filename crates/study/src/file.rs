@@ -8,7 +8,7 @@ mod simulator;
 
 pub(crate) use check::usable_name;
 pub(crate) use input::InputEntry;
-pub(crate) use measured::MeasuredEntry;
+pub(crate) use measured::{CurveEntry, MeasuredEntry};
 pub(crate) use photo::PhotoOptions;
 pub(crate) use simulator::{SimulatorKind, SimulatorTable};
 
@@ -152,7 +152,7 @@ impl MeasuredValue {
 #[derive(Deserialize)]
 #[serde(
     deny_unknown_fields,
-    expecting = "a measurement { mean = ..., sd = ..., n = ... }, or { scatter = ..., n = ... }; keys of [[measured]] are scene, condition, role, photos, photo, correlation"
+    expecting = "a measurement { mean = ..., sd = ..., n = ... }, or { scatter = ..., n = ... }; keys of [[measured]] are scene, condition, role, photos, photo, curve, correlation"
 )]
 struct StatedValue {
     mean: Option<f64>,

@@ -8,13 +8,14 @@ use scene::Scene;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// SHA-256 of the study file, its scenes, their meshes, its photos and its template, by path from the folder of the study file: the same
+/// SHA-256 of the study file, its scenes, their meshes, its photos, curves and its template, by path from the folder of the study file: the same
 /// however the path of the study was typed.
 pub(crate) fn of<'s>(
     path: &Path,
     file: &StudyFile,
     scenes: impl Iterator<Item = &'s Scene>,
     photos: &[PhotoSeries],
+    curves: impl Iterator<Item = PathBuf>,
 ) -> Result<BTreeMap<String, String>, Error> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut files: BTreeSet<PathBuf> = BTreeSet::from([path.to_owned()]);
@@ -24,6 +25,7 @@ pub(crate) fn of<'s>(
         let meshes = scene.shape_files();
         files.extend(meshes.iter().map(|mesh| scene.folder.join(mesh)));
     }
+    files.extend(curves);
     for series in photos {
         files.extend(series.files.iter().chain(&series.mask).cloned());
     }

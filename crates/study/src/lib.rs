@@ -11,6 +11,7 @@ mod candidates;
 mod command_study;
 mod compare;
 mod correlated;
+mod curves;
 mod defaults;
 mod design_table;
 mod document;

@@ -1,6 +1,7 @@
 //! The measurements of a study, resolved against its scenes.
 
 use crate::correlated::correlations_of;
+use crate::curves::MeasuredCurve;
 use crate::document::below;
 use crate::file::{MeasuredEntry, MeasuredValue};
 use crate::photo_values::{FILL, shown_fill};
@@ -26,6 +27,8 @@ pub(crate) struct Resolved {
     pub(crate) models: Models,
     /// Photos that were read.
     pub(crate) photos: Vec<PhotoSeries>,
+    /// Curves that were read, each with the number of its model.
+    pub(crate) curves: Vec<(usize, MeasuredCurve)>,
     /// Path in the file of each measurement.
     places: Vec<String>,
 }
@@ -65,6 +68,10 @@ impl Resolved {
                 problems.wrong(&below(&entry.path, name), problem);
             }
         }
+        let curve = read_curve(entry, folder, scenes, &setup, problems);
+        if let Some(curve) = &curve {
+            values.extend(curve.values.iter().cloned());
+        }
         let shown = setup.shown(&observables);
         let mut series = read_photos(entry, folder, shown, problems);
         let taken = series.iter().flat_map(|s| &s.values);
@@ -92,8 +99,10 @@ impl Resolved {
             self.push(entry, measurement, problems);
         }
         let of_model = (model, &self.measurements[..]);
-        let found = correlations_of(entry, series.as_ref(), of_model, problems);
+        let of_curve = curve.iter().flat_map(|curve| &curve.correlations);
+        let found = correlations_of(entry, series.as_ref(), of_curve, of_model, problems);
         self.correlations.extend(found);
+        self.curves.extend(curve.map(|curve| (model, curve)));
         self.photos.extend(series);
     }
 
@@ -135,6 +144,32 @@ fn impossible_fill(scene: &Scene, series: &PhotoSeries) -> Option<String> {
             significant(solid, 2)
         )
     })
+}
+
+/// The curve of a measurement; `None` if it has none, or it cannot be read, which is reported.
+fn read_curve(
+    entry: &MeasuredEntry,
+    folder: &Path,
+    scenes: &Scenes<'_>,
+    setup: &Setup,
+    problems: &mut Problems,
+) -> Option<MeasuredCurve> {
+    let stated = entry.curve.as_ref()?;
+    let at = below(&entry.path, "curve");
+    let of_scene = setup.scene().filter(|_| scenes.peer().is_none());
+    let Some(kind) = of_scene.and_then(Scene::curve) else {
+        let problem = "is not read here: the solver of seedloop gives curves of hopper, draw-down, ledge, compression, direct-shear, \
+                       penetration, and of a machine whose last phase has an outlet";
+        problems.wrong(&at, problem);
+        return None;
+    };
+    match MeasuredCurve::read(stated, folder, kind) {
+        Ok(curve) => Some(curve),
+        Err((key, problem)) => {
+            problems.wrong(&below(&at, key), problem);
+            None
+        }
+    }
 }
 
 /// The photos of a measurement; `None` if it has none, or they cannot be read, which is reported.

@@ -28,15 +28,28 @@ pub(crate) fn check_all(entries: &[ParameterEntry], problems: &mut Problems) {
         problems.require(is_new, &entry.at("symbol"), problem);
         for (i, path) in entry.sets.iter().enumerate() {
             let at = below(&entry.at("sets"), i);
-            if let Some(other) = before.iter().find(|o| o.sets.contains(path)) {
+            let mut before = before.iter();
+            if let Some(other) = before.find(|o| o.sets.contains(path) && o.meets(entry)) {
                 let other = &other.symbol;
                 problems.wrong(
                     &at,
-                    format!("parameter {other} sets it too: leave it to one of the two"),
+                    format!(
+                        "parameter {other} sets it too: leave it to one of the two, or state 'scenes' of inputs that have none in common"
+                    ),
                 );
             } else if entry.sets[..i].contains(path) {
                 problems.wrong(&at, "is there twice: name each setting once");
             }
+        }
+    }
+}
+
+impl ParameterEntry {
+    /// Whether it can act on a scene on which another acts.
+    fn meets(&self, other: &Self) -> bool {
+        match (&self.scenes, &other.scenes) {
+            (Some(own), Some(others)) => own.iter().any(|name| others.contains(name)),
+            _ => true,
         }
     }
 }

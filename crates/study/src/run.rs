@@ -138,6 +138,11 @@ pub fn run_study(
     let records = records_of(&store, &calibration)?;
     let of_photos = study.photos.iter().flat_map(|series| &series.left_out);
     calibration.remarks.extend(of_photos.cloned());
+    let of_curves = study
+        .curves
+        .iter()
+        .filter_map(|(_, curve)| curve.remark.clone());
+    calibration.remarks.extend(of_curves);
     let of_runs = run_remarks::of_runs(&calibration, &records);
     calibration.remarks.extend(of_runs);
     Ok(StudyResult {

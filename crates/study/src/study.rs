@@ -3,6 +3,7 @@
 use crate::candidates;
 use crate::command_study;
 use crate::compare::resolve;
+use crate::curves::MeasuredCurve;
 use crate::defaults::{DefaultUsed, Defaults};
 use crate::document::{Document, below};
 use crate::effects::search;
@@ -54,6 +55,8 @@ pub struct Study {
     pub settings: LoopSettings,
     /// Photos that were read.
     pub photos: Vec<PhotoSeries>,
+    /// Curves that were read, each with the name of its model.
+    pub(crate) curves: Vec<(String, MeasuredCurve)>,
     /// Effects that a measured scene cannot carry, with the reason.
     pub not_applicable: BTreeMap<String, String>,
     /// Entries that the file omits, with the default used.
@@ -108,10 +111,15 @@ impl Study {
         } = scenes;
         let models: BTreeMap<String, Scene> = known.models.scenes().collect();
         let all = by_name.values().chain(models.values());
+        let curves = || known.curves.iter().map(|(_, curve)| curve.file.clone());
+        let named = |(model, curve): &(usize, MeasuredCurve)| {
+            (known.models.models[*model].name.clone(), curve.clone())
+        };
         Ok(Self {
             path: path.to_owned(),
             profile: profile.map(str::to_owned),
-            inputs: inputs::of(path, &file, all, &known.photos)?,
+            inputs: inputs::of(path, &file, all, &known.photos, curves())?,
+            curves: known.curves.iter().map(named).collect(),
             command_models: known.models.commands().collect(),
             settings: asked.settings,
             file,
@@ -158,11 +166,13 @@ impl Study {
             let coarse = coarse.map(|_| CoarseGraining::SYMBOL.to_owned());
             let names: Vec<String> = parameters.chain(effects).chain(coarse).collect();
             let command = CommandSimulator::new(settings, self.command_models.clone(), &names)?;
-            return Ok(StudySimulator::Command(command));
+            return Ok(StudySimulator::command(command));
         }
         let scenes = self.scene_simulator()?;
         let Some(peer) = table.peer() else {
-            return Ok(StudySimulator::Own(scenes));
+            let curves = self.curves.iter();
+            let curves = curves.map(|(model, curve)| (model.clone(), curve.scores.clone()));
+            return Ok(StudySimulator::own(scenes, curves.collect()));
         };
         let settings = PeerSettings {
             peer,
@@ -173,7 +183,7 @@ impl Study {
             work,
             keep: table.keep,
         };
-        Ok(StudySimulator::Peer(PeerSimulator::new(scenes, settings)?))
+        Ok(StudySimulator::peer(PeerSimulator::new(scenes, settings)?))
     }
 
     /// The scenes as a simulator.

@@ -3,6 +3,7 @@
 mod study_file {
     mod coarse_graining;
     pub(crate) mod correlated;
+    mod curves;
     pub(crate) mod example;
     pub(crate) mod fixtures;
     pub(crate) mod folder;

@@ -5,6 +5,7 @@ mod claims;
 mod common;
 mod damage;
 mod faults;
+mod further;
 mod processes;
 mod run_store_processes;
 mod shared_folder;

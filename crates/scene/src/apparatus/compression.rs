@@ -5,6 +5,7 @@ use super::heap::{check_size, floor};
 use super::shapes::{at_rest, level};
 use super::{NamedMesh, NamedWall, cover};
 use crate::check::bad;
+use crate::curve::CurveKind;
 use crate::phases::{End, Phase, Plan, Seen};
 use crate::{Error, ObservableValues, Scene};
 use dem_solver::{AxialLoad, Motion, Shape};
@@ -43,6 +44,12 @@ pub struct Compression {
 }
 
 impl Compression {
+    /// Height of the piston at the end of a phase, m; `None` if the run did not come so far.
+    fn height_at_end(&self, seen: &Seen<'_>, phase: &str) -> Option<f64> {
+        let sample = seen.end_of(phase)?;
+        Some(self.height.si() + seen.displacement(sample, "piston").y)
+    }
+
     /// Cross-section, m².
     fn area(&self) -> f64 {
         self.length.si() * self.width.si()
@@ -200,16 +207,32 @@ impl Device for Compression {
         Some(plan)
     }
 
+    fn curve(&self) -> Option<CurveKind> {
+        Some(CurveKind {
+            name: "compression",
+            along: "stress_kpa",
+            values: &["strain"],
+            is_kept: false,
+        })
+    }
+
+    /// Strain at rest under each stress of the loading, 0 under the first.
+    fn read_curve(&self, seen: &Seen<'_>) -> Vec<Vec<f64>> {
+        let height = |phase: &str| self.height_at_end(seen, phase);
+        let first = self.loading().next().and_then(|(phase, _)| height(&phase));
+        let row = |(phase, stress): (String, f64)| {
+            Some(vec![1e-3 * stress, 1.0 - height(&phase)? / first?])
+        };
+        self.loading().filter_map(row).collect()
+    }
+
     /// # Formula
     ///
     /// With the heights h of the piston at rest under the first (1) and the last two stresses (m, n), and after unloading (u):
     /// strain `1 - h_n/h_1`; loading modulus `(s_n - s_m) h_1 / (h_m - h_n)`; unloading modulus `(s_n - s_1) h_1 / (h_u - h_n)`, both of
     /// one-dimensional strain. The stress ratio is the mean stress on the four sides over that on the piston.
     fn observe(&self, seen: &Seen<'_>) -> Result<Vec<ObservableValues>, Error> {
-        let height = |phase: &str| {
-            let sample = seen.end_of(phase)?;
-            Some(self.height.si() + seen.displacement(sample, "piston").y)
-        };
+        let height = |phase: &str| self.height_at_end(seen, phase);
         let loads: Vec<_> = self.loading().collect();
         let (first, last) = (&loads[0], &loads[loads.len() - 1]);
         let before = &loads[loads.len() - 2];

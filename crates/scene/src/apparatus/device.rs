@@ -1,6 +1,7 @@
 //! What the crate asks of an apparatus; a new one answers what differs from the defaults.
 
 use super::{BenchTest, NamedMesh, NamedWall};
+use crate::curve::CurveKind;
 use crate::phases::{Plan, Seen};
 use crate::{Error, ObservableValues, Scene, SeedBody};
 use geometry::clump::Sphere;
@@ -155,6 +156,17 @@ pub(crate) trait Device {
     /// Observables of a run in phases.
     fn observe(&self, seen: &Seen<'_>) -> Result<Vec<ObservableValues>, Error> {
         Ok(self.read_pile(&seen.spheres(), seen.largest_radius()))
+    }
+
+    /// The curve that a run in phases gives; `None` if it gives none.
+    fn curve(&self) -> Option<CurveKind> {
+        None
+    }
+
+    /// Rows of the curve: along which it goes, and its values.
+    fn read_curve(&self, seen: &Seen<'_>) -> Vec<Vec<f64>> {
+        let _ = seen;
+        Vec::new()
     }
 
     /// Settings of a bench test; `None` if the apparatus holds a bed of seeds.

@@ -6,6 +6,7 @@ use super::heap::check_size;
 use super::shapes::{at_rest, level, upright};
 use super::{NamedMesh, NamedWall, cover};
 use crate::check::bad;
+use crate::curve::CurveKind;
 use crate::phases::{End, Phase, Plan, Sample, Seen};
 use crate::{Error, ObservableValues, Scene};
 use dem_solver::Motion;
@@ -177,6 +178,24 @@ impl Device for DirectShear {
         ]);
         plan.interval = INTERVAL;
         Some(plan)
+    }
+
+    fn curve(&self) -> Option<CurveKind> {
+        Some(CurveKind {
+            name: "shear",
+            along: "displacement_mm",
+            values: &["shear_stress_kpa"],
+            is_kept: false,
+        })
+    }
+
+    fn read_curve(&self, seen: &Seen<'_>) -> Vec<Vec<f64>> {
+        let row = |sample: &Sample| {
+            let moved = seen.displacement(sample, "lower half").x;
+            let [shear, _] = self.stresses(seen, sample);
+            vec![1e3 * moved, 1e-3 * shear]
+        };
+        seen.samples("shear").into_iter().map(row).collect()
     }
 
     fn observe(&self, seen: &Seen<'_>) -> Result<Vec<ObservableValues>, Error> {

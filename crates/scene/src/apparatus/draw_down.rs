@@ -2,9 +2,10 @@
 
 use super::device::Device;
 use super::heap::check_size;
-use super::storeys::{Storeys, check_passage, discharge};
+use super::storeys::{Storeys, check_passage, discharge, discharge_curve};
 use super::{NamedMesh, NamedWall};
 use crate::check::bad;
+use crate::curve::{CurveKind, DISCHARGE};
 use crate::phases::{Plan, Seen};
 use crate::{Error, ObservableValues, Scene, SeedBody};
 use geometry::clump::Sphere;
@@ -131,6 +132,14 @@ impl Device for DrawDown {
             ObservableValues::new("shear_angle_deg", "deg", above),
             ObservableValues::new("angle_of_repose_deg", "deg", below),
         ]
+    }
+
+    fn curve(&self) -> Option<CurveKind> {
+        Some(DISCHARGE)
+    }
+
+    fn read_curve(&self, seen: &Seen<'_>) -> Vec<Vec<f64>> {
+        discharge_curve(seen)
     }
 
     fn observe(&self, seen: &Seen<'_>) -> Result<Vec<ObservableValues>, Error> {

@@ -6,6 +6,7 @@ use super::shapes::{at_rest, between_circles, level, within_prism};
 use super::storeys::check_passage;
 use super::{NamedMesh, NamedWall, cover};
 use crate::check::bad;
+use crate::curve::{CurveKind, DISCHARGE, discharge};
 use crate::phases::{End, Outlet, Phase, Plan, Sample, Seen};
 use crate::{Error, ObservableValues, Scene, SeedBody};
 use dem_solver::Shape;
@@ -235,6 +236,14 @@ impl Device for Hopper {
         let mut plan = Plan::new(vec![rest, discharge]);
         plan.interval = INTERVAL;
         Some(plan)
+    }
+
+    fn curve(&self) -> Option<CurveKind> {
+        Some(DISCHARGE)
+    }
+
+    fn read_curve(&self, seen: &Seen<'_>) -> Vec<Vec<f64>> {
+        discharge(seen, &seen.passages("discharge"))
     }
 
     fn observe(&self, seen: &Seen<'_>) -> Result<Vec<ObservableValues>, Error> {

@@ -2,8 +2,9 @@
 
 use super::device::Device;
 use super::heap::check_size;
-use super::storeys::{Storeys, check_passage, discharge};
+use super::storeys::{Storeys, check_passage, discharge, discharge_curve};
 use super::{NamedMesh, NamedWall};
+use crate::curve::{CurveKind, DISCHARGE};
 use crate::phases::{Plan, Seen};
 use crate::{Error, ObservableValues, Scene, SeedBody};
 use geometry::clump::Sphere;
@@ -119,6 +120,14 @@ impl Device for Ledge {
             ObservableValues::new("angle_of_repose_deg", "deg", on),
             ObservableValues::new("angle_below_deg", "deg", below),
         ]
+    }
+
+    fn curve(&self) -> Option<CurveKind> {
+        Some(DISCHARGE)
+    }
+
+    fn read_curve(&self, seen: &Seen<'_>) -> Vec<Vec<f64>> {
+        discharge_curve(seen)
     }
 
     fn observe(&self, seen: &Seen<'_>) -> Result<Vec<ObservableValues>, Error> {

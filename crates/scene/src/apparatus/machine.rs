@@ -12,6 +12,7 @@ use super::compression::GREATEST_SPEED;
 use super::device::Device;
 use super::{NamedMesh, NamedWall};
 use crate::check::bad;
+use crate::curve::{CurveKind, DISCHARGE, discharge};
 use crate::phases::{Plan, Seen};
 use crate::{Error, ObservableValues, Scene};
 use input::quantity::{Length, Time};
@@ -244,6 +245,15 @@ impl Device for Machine {
         let mut plan = Plan::new(self.phases(scene.seed_mass()));
         plan.interval = self.interval();
         Some(plan)
+    }
+
+    fn curve(&self) -> Option<CurveKind> {
+        let last = self.phase.last()?;
+        (!last.outlet.is_empty()).then_some(DISCHARGE)
+    }
+
+    fn read_curve(&self, seen: &Seen<'_>) -> Vec<Vec<f64>> {
+        discharge(seen, &seen.passages(seen.last_phase()))
     }
 
     fn observe(&self, seen: &Seen<'_>) -> Result<Vec<ObservableValues>, Error> {

@@ -7,6 +7,7 @@ use super::shapes::{
 };
 use super::{NamedMesh, NamedWall};
 use crate::check::bad;
+use crate::curve::CurveKind;
 use crate::phases::{End, Phase, Plan, Seen};
 use crate::{Error, ObservableValues, Scene, SeedBody};
 use dem_solver::Motion;
@@ -49,6 +50,18 @@ impl Penetration {
     fn circle(&self) -> f64 {
         0.5 * self.inner_diameter.si()
     }
+}
+
+/// Depths (m) since the bed first pushed the probe up, and the forces (N) there.
+fn pressed(seen: &Seen<'_>) -> Vec<[f64; 2]> {
+    let force = |sample| seen.force(sample, &["probe"]).y;
+    let depth = |sample| -seen.displacement(sample, "probe").y;
+    let samples = seen.samples("penetration").into_iter();
+    let touched = samples.skip_while(|sample| force(sample) <= 0.0);
+    let pressed: Vec<_> = touched.map(|s| [depth(s), force(s)]).collect();
+    let start = pressed.first().map_or(0.0, |first| first[0]);
+    let from_start = pressed.into_iter().map(|[d, f]| [d - start, f]);
+    from_start.collect()
 }
 
 impl Device for Penetration {
@@ -171,24 +184,30 @@ impl Device for Penetration {
     /// # Formula
     ///
     /// From the first contact: the mean force over the last tenth of the depth, and the work `sum of F v dt`.
+    fn curve(&self) -> Option<CurveKind> {
+        Some(CurveKind {
+            name: "penetration",
+            along: "depth_mm",
+            values: &["force_n"],
+            is_kept: false,
+        })
+    }
+
+    fn read_curve(&self, seen: &Seen<'_>) -> Vec<Vec<f64>> {
+        let rows = pressed(seen).into_iter();
+        rows.map(|[depth, force]| vec![1e3 * depth, force])
+            .collect()
+    }
+
     fn observe(&self, seen: &Seen<'_>) -> Result<Vec<ObservableValues>, Error> {
-        let force = |sample| seen.force(sample, &["probe"]).y;
-        let samples = seen.samples("penetration");
-        let pressed: Vec<_> = samples
-            .into_iter()
-            .skip_while(|sample| force(sample) <= 0.0)
-            .collect();
-        let depth = |sample| -seen.displacement(sample, "probe").y;
-        let start = pressed.first().map_or(0.0, |sample| depth(sample));
-        let reached = |sample| depth(sample) - start >= (1.0 - END) * self.depth.si();
-        let last: Vec<f64> = pressed
-            .iter()
-            .filter(|sample| reached(sample))
-            .map(|sample| force(sample))
-            .collect();
+        let pressed = pressed(seen);
+        let end = (1.0 - END) * self.depth.si();
+        let last = pressed.iter().filter(|[depth, _]| *depth >= end);
+        let last: Vec<f64> = last.map(|[_, force]| *force).collect();
         let mean = (!last.is_empty()).then(|| last.iter().sum::<f64>() / last.len() as f64);
         let work = pressed.windows(2).map(|pair| {
-            0.5 * (force(pair[0]) + force(pair[1])) * (depth(pair[1]) - depth(pair[0]))
+            let [[d0, f0], [d1, f1]] = [pair[0], pair[1]];
+            0.5 * (f0 + f1) * (d1 - d0)
         });
         let work = mean.map(|_| 1e3 * work.sum::<f64>());
         let value = |name, unit, value: Option<f64>| {

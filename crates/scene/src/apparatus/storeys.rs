@@ -4,6 +4,7 @@ use super::hopper::steady_flow;
 use super::shapes::{at_rest, level};
 use super::{NamedMesh, NamedWall, cover};
 use crate::check::bad;
+use crate::curve;
 use crate::outline::{FLANK, Outline, View};
 use crate::phases::{End, Phase, Plan, Seen};
 use crate::placement::Capsule;
@@ -134,14 +135,24 @@ impl Storeys<'_> {
     }
 }
 
+/// Times (s) of the samples of the discharge, and the mass (kg) that fell through the upper floor since the sample before.
+fn fallen(seen: &Seen<'_>) -> Vec<[f64; 2]> {
+    let samples = seen.samples("discharge");
+    let steps = samples.windows(2);
+    steps
+        .map(|pair| [pair[1].time, pair[1].below - pair[0].below])
+        .collect()
+}
+
+/// What fell through the upper floor, by time.
+pub(super) fn discharge_curve(seen: &Seen<'_>) -> Vec<Vec<f64>> {
+    curve::discharge(seen, &fallen(seen))
+}
+
 /// Mass flow through the upper floor and the fraction of the mass that fell.
 pub(super) fn discharge(seen: &Seen<'_>) -> [ObservableValues; 2] {
     let samples = seen.samples("discharge");
-    let steps: Vec<[f64; 2]> = samples
-        .windows(2)
-        .map(|pair| [pair[1].time, pair[1].below - pair[0].below])
-        .collect();
-    let flow = steady_flow(&steps).map(|flow| 1e3 * flow);
+    let flow = steady_flow(&fallen(seen)).map(|flow| 1e3 * flow);
     let share = samples.last().map(|last| last.below / last.mass);
     [
         ObservableValues::new("mass_flow_g_s", "g/s", flow.into_iter().collect()),

@@ -2,9 +2,8 @@
 
 use crate::exchange::Moment;
 use crate::scene_simulator::{
-    DischargeDetails, FrameDetails, NOT_STEADY, RunDetails, SeriesDetails, SurfaceReadings,
-    TimingDetails, effective_number, error_over_swings, no_surface, over_frames, png_in_base64,
-    scatter_of, word,
+    FrameDetails, NOT_STEADY, RunDetails, SeriesDetails, SurfaceReadings, TimingDetails,
+    effective_number, error_over_swings, no_surface, over_frames, png_in_base64, scatter_of, word,
 };
 use campaign::run_store::Observation;
 use campaign::{RunOutcome, SimulatorError};
@@ -242,7 +241,7 @@ impl Bed {
                 effective_number: error.and_then(|e| effective_number(&surface.image, e)),
                 times_s: times,
             },
-            discharge: DischargeDetails::default(),
+            curve: None,
             series: SeriesDetails {
                 time_s: self.series.iter().map(|p| p.time_s).collect(),
                 centre_of_mass_deg: self.series.iter().map(|p| p.centre_of_mass_deg).collect(),

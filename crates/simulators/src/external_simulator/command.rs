@@ -11,8 +11,7 @@ use crate::external_simulator::process::{Failure, LOG, Limits, Process, end_of_l
 use crate::external_simulator::template::Template;
 use crate::external_simulator::{Error, results};
 use crate::scene_simulator::{
-    DischargeDetails, FrameDetails, RunDetails, SECONDS_PER_COST, SeriesDetails, SurfaceReadings,
-    no_surface,
+    FrameDetails, RunDetails, SECONDS_PER_COST, SeriesDetails, SurfaceReadings, no_surface,
 };
 use campaign::run_store::Record;
 use campaign::{Cores, PreparedRun, RunOutcome, RunRequest, Simulator, SimulatorError, in_full};
@@ -457,7 +456,7 @@ fn details(
             standard_error_deg: None,
             effective_number: None,
         },
-        discharge: DischargeDetails::default(),
+        curve: None,
         series: SeriesDetails {
             time_s: Vec::new(),
             centre_of_mass_deg: Vec::new(),

@@ -5,14 +5,14 @@ use campaign::run_store::Record;
 use image::RgbImage;
 use image::codecs::png::PngEncoder;
 use scene::{
-    Doubt, Ending, FrameReading, PhaseTimes, RunResult, Scene, error_of_mean, frame_picture,
+    Curve, Doubt, Ending, FrameReading, PhaseTimes, RunResult, Scene, error_of_mean, frame_picture,
 };
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use surface_profile::summarise;
 
-/// Details of a run besides the observables and the regime.
+/// Details of a run besides the observables and the regime. A record of another version may have more of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct RunDetails {
     /// Whether the start-up was found to be over, or the seeds came to rest; `None` if the apparatus has no such
     /// state (a bench test).
@@ -40,9 +40,9 @@ pub struct RunDetails {
     pub frames: FrameDetails,
     /// The bed over time.
     pub series: SeriesDetails,
-    /// What an outlet took out over time; empty if nothing.
-    #[serde(default, skip_serializing_if = "DischargeDetails::is_empty")]
-    pub discharge: DischargeDetails,
+    /// The curve of an apparatus that gives one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curve: Option<CurveDetails>,
     /// Steps and times.
     pub timing: TimingDetails,
     /// The last frame, as PNG in base 64; none of a bench test, which has no bed.
@@ -87,33 +87,27 @@ pub struct SeriesDetails {
     pub centre_of_mass_deg: Vec<f64>,
 }
 
-/// What an outlet took out in the last phase; both lists have the same length.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+/// A curve of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct DischargeDetails {
-    /// Times since the start of the phase, s.
-    pub time_s: Vec<f64>,
-    /// Mass that had left by then, g.
-    pub mass_g: Vec<f64>,
+pub struct CurveDetails {
+    /// Name.
+    pub name: String,
+    /// Columns of the same length by name, with the unit at its end.
+    pub columns: BTreeMap<String, Vec<f64>>,
 }
 
-impl DischargeDetails {
-    /// The curve of seeds in order of time, each a time (s) and a mass (kg).
-    fn of(seeds: &[[f64; 2]]) -> Self {
-        let mut sum = 0.0;
-        let mass = seeds.iter().map(|[_, mass]| {
-            sum += 1e3 * mass;
-            sum
-        });
+impl CurveDetails {
+    fn of(curve: &Curve) -> Self {
+        let names = std::iter::once(&curve.kind.along).chain(curve.kind.values);
+        let column = |place: usize| curve.rows.iter().map(|row| row[place]).collect();
         Self {
-            mass_g: mass.collect(),
-            time_s: seeds.iter().map(|[time, _]| *time).collect(),
+            name: curve.kind.name.into(),
+            columns: (0..)
+                .zip(names)
+                .map(|(k, n)| ((*n).into(), column(k)))
+                .collect(),
         }
-    }
-
-    /// Whether nothing was taken out.
-    pub fn is_empty(&self) -> bool {
-        self.time_s.is_empty()
     }
 }
 
@@ -217,7 +211,7 @@ impl RunDetails {
                 time_s: result.series.iter().map(|p| p.time_s).collect(),
                 centre_of_mass_deg: result.series.iter().map(|p| p.centre_of_mass_deg).collect(),
             },
-            discharge: DischargeDetails::of(&result.discharge),
+            curve: result.curve.as_ref().map(CurveDetails::of),
             timing: TimingDetails::new(result, effort),
             last_frame_png_base64: picture(scene, result),
             last_bodies: result

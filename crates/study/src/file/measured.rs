@@ -24,6 +24,31 @@ pub(crate) struct MeasuredEntry {
     /// Photos or folders of them, relative to the study file.
     pub(crate) photos: Vec<PathBuf>,
     pub(crate) photo: PhotoOptions,
+    /// A curve that was measured.
+    pub(crate) curve: Option<CurveEntry>,
+}
+
+/// A measured curve, of which polynomials take a few numbers.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a curve { file = \"...\", sd = ..., correlation_length = ..., scores = ... }"
+)]
+pub(crate) struct CurveEntry {
+    /// Its table, relative to the study file.
+    pub(crate) file: PathBuf,
+    /// Standard deviation of one value, in the unit of its column.
+    pub(crate) sd: Option<f64>,
+    /// Length over which deviations are correlated, in the unit of the first column.
+    pub(crate) correlation_length: Option<f64>,
+    /// Number of scores.
+    #[serde(default = "usual_scores")]
+    pub(crate) scores: usize,
+}
+
+/// Level, slope and bend.
+fn usual_scores() -> usize {
+    3
 }
 
 /// A folder, or a list of files.
@@ -64,6 +89,7 @@ impl<'de> Visitor<'de> for Entries {
         let (mut condition, mut values) = (BTreeMap::new(), BTreeMap::new());
         let (mut correlations, mut photos) = (Vec::new(), Vec::new());
         let mut photo = PhotoOptions::default();
+        let mut curve = None;
         while let Some(key) = map.next_key::<String>()? {
             match key.as_str() {
                 crate::document::PATH => path = Some(map.next_value()?),
@@ -77,6 +103,7 @@ impl<'de> Visitor<'de> for Entries {
                     }
                 }
                 "photo" => photo = map.next_value()?,
+                "curve" => curve = Some(map.next_value()?),
                 "correlation" => {
                     let stated: Vec<Stated> = map.next_value()?;
                     let each = stated.into_iter();
@@ -95,6 +122,7 @@ impl<'de> Visitor<'de> for Entries {
             correlations,
             photos,
             photo,
+            curve,
         })
     }
 }

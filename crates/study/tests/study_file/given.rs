@@ -413,6 +413,46 @@ fn published_values_name_parameters_observables_and_effects() {
     assert_eq!(study.file.compare[4].sd, Some(0.1));
 }
 
+/// Two inputs of one setting are two quantities if their scenes have none in common, and one too many if they do.
+#[test]
+fn inputs_of_different_scenes_may_set_the_same() {
+    let inputs = |other: &str| {
+        with(&format!(
+            r#"
+[[input]]
+sets = ["seed.0.density"]
+symbol = "one"
+mean = 1300
+unit = "kg/m3"
+sd = 20
+scenes = ["drum"]
+
+[[input]]
+sets = ["seed.0.density"]
+symbol = "two"
+mean = 1300
+unit = "kg/m3"
+sd = 30
+scenes = ["{other}"]
+"#
+        ))
+    };
+    let problem = right(&inputs("sled")).problem;
+    for (k, name) in ["drum", "sled"].into_iter().enumerate() {
+        let of_scene = problem.models.iter().filter(|model| model.scene == name);
+        for model in of_scene {
+            let own = [0, 1].map(|i| model.parameters.contains(&(problem.n_tuned() + i)));
+            assert_eq!(own, [k == 0, k == 1], "{}", model.name);
+        }
+    }
+    let text = inputs("drum");
+    let list = super::folder::problems(&super::folder::Folder::new(&text), None);
+    assert!(
+        list[0].problem.contains("parameter one sets it too"),
+        "{list:?}"
+    );
+}
+
 /// An input comes after the parameters, acts where it says, and has the stated value, with a range of three standard deviations; an
 /// exact one is none.
 #[test]

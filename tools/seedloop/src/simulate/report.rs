@@ -9,7 +9,7 @@ use scene::{Doubt, Override, Scene};
 use serde::Serialize;
 use serde_json::Value;
 use simulators::scene_simulator::{
-    DischargeDetails, FrameDetails, RunDetails, TimingDetails, unread_frames,
+    CurveDetails, FrameDetails, RunDetails, TimingDetails, unread_frames,
 };
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -52,9 +52,9 @@ pub(super) struct Report {
     froude_number: Option<f64>,
     /// Readings of the single frames.
     frames: FrameDetails,
-    /// What an outlet took out over time; absent if nothing.
-    #[serde(skip_serializing_if = "DischargeDetails::is_empty")]
-    discharge: DischargeDetails,
+    /// The curve of an apparatus that gives one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    curve: Option<CurveDetails>,
     /// Steps and times.
     timing: TimingDetails,
     /// Every setting of the scene as it was run, by its dotted path; quantities with their unit.
@@ -102,7 +102,7 @@ impl Report {
             motion: details.motion,
             froude_number: details.froude_number,
             frames: details.frames,
-            discharge: details.discharge,
+            curve: details.curve,
             timing: details.timing,
             parameters: settings_of(scene)?,
             changed: changed(changes),
