@@ -33,8 +33,25 @@ pub struct ReportInput<'a> {
     pub fillings: &'a FillingLibrary,
     /// Records of the runs behind the comparisons and the surfaces, by key; a picture whose record is missing is left out.
     pub records: &'a BTreeMap<String, Record>,
+    /// Curves that were measured.
+    pub curves: &'a [CurvePoints],
     /// Cost of the runs and of this call.
     pub spent: TimeSpent,
+}
+
+/// A measured curve, to be drawn beside those of the runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CurvePoints {
+    /// Name of its model.
+    pub model: String,
+    /// Name of the curve.
+    pub name: String,
+    /// Column along which it goes, with its unit at the end.
+    pub along: String,
+    /// Column of its values, with its unit at the end.
+    pub column: String,
+    /// Points of each repeat.
+    pub repeats: Vec<Vec<[f64; 2]>>,
 }
 
 /// A value that somebody else gave, beside what was found here.

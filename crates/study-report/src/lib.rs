@@ -38,7 +38,7 @@ mod unit_of_name;
 pub use answer::{Answer, answer};
 pub use error::Error;
 pub use exploration::{SurfaceWithSliders, explored_surface};
-pub use input::{ComparedValue, DiagnosisInput, ReportInput};
+pub use input::{ComparedValue, CurvePoints, DiagnosisInput, ReportInput};
 pub use open_words::open_in_words;
 pub use output::{write, write_diagnosis};
 pub use running::{RunningCampaign, RunningPage, RunningStage};

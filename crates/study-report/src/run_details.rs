@@ -56,6 +56,13 @@ impl RunDetails {
     }
 }
 
+/// A column of the curve that a record holds; empty if it has none.
+pub(crate) fn curve_column(record: &Record, name: &str) -> Vec<f64> {
+    let column = record.details()["curve"]["columns"][name].as_array();
+    let numbers = column.into_iter().flatten().filter_map(Value::as_f64);
+    numbers.collect()
+}
+
 impl Seeds {
     /// Reads the seeds of a record; `None` if it holds none, or not all of them.
     fn of(details: &Value) -> Option<Self> {

@@ -1,7 +1,7 @@
 //! A calibration made by hand, with something in every part of it, for the tests.
 
 use crate::test_surfaces::{screening, surfaces};
-use crate::{ComparedValue, ReportInput};
+use crate::{ComparedValue, CurvePoints, ReportInput};
 use campaign::run_store::Record;
 use dev_support::fixture_files::fixture;
 use inference::{
@@ -25,6 +25,7 @@ pub(crate) struct Example {
     pub(crate) scenes: BTreeMap<String, Scene>,
     pub(crate) fillings: FillingLibrary,
     pub(crate) records: BTreeMap<String, Record>,
+    pub(crate) curves: Vec<CurvePoints>,
 }
 
 impl Example {
@@ -42,6 +43,7 @@ impl Example {
             scenes: &self.scenes,
             fillings: &self.fillings,
             records: &self.records,
+            curves: &self.curves,
             spent: spent(),
         }
     }
@@ -378,5 +380,6 @@ pub(crate) fn example() -> Example {
         scenes: scenes.into(),
         fillings: FillingLibrary::default(),
         records: BTreeMap::from([(record.key().to_owned(), record)]),
+        curves: Vec::new(),
     }
 }

@@ -164,6 +164,7 @@ pub(crate) fn study() -> Example {
             .into(),
         fillings: FillingLibrary::default(),
         records: records.collect(),
+        curves: Vec::new(),
         problem,
         calibration,
     }

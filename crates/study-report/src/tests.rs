@@ -2,6 +2,7 @@
 
 mod beds;
 mod browser;
+mod curves;
 mod explorer;
 mod files;
 mod runs;

@@ -9,7 +9,7 @@ use simulators::scene_simulator::RunDetails;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// What the scores are called, behind the name of the column.
+/// What the scores are called, between the names of the curve and of the column.
 const SCORES: [&str; 5] = ["mean", "slope", "bend", "cubic", "quartic"];
 /// Most rows: the covariance of the values has the square of so many numbers.
 const MOST_ROWS: usize = 2000;
@@ -40,11 +40,30 @@ pub(crate) struct MeasuredCurve {
     pub(crate) scores: CurveScores,
     /// File, for the list of inputs.
     pub(crate) file: PathBuf,
+    /// Values of each repeat at the places.
+    pub(crate) repeats: Vec<Vec<f64>>,
     /// Scores by observable.
     pub(crate) values: Vec<(String, MeasuredValue)>,
     pub(crate) correlations: Vec<MeasuredCorrelation>,
     /// What the user should know.
     pub(crate) remark: Option<String>,
+}
+
+impl MeasuredCurve {
+    /// Name of the curve, its columns, and the points of each repeat.
+    pub(crate) fn points(&self) -> (&'static str, [&str; 2], Vec<Vec<[f64; 2]>>) {
+        let scores = &self.scores;
+        let pairs = |values: &Vec<f64>| {
+            let places = scores.places.iter();
+            places.zip(values).map(|(x, y)| [*x, *y]).collect()
+        };
+        let columns = [scores.kind.along, &scores.column];
+        (
+            scores.kind.name,
+            columns,
+            self.repeats.iter().map(pairs).collect(),
+        )
+    }
 }
 
 /// Key that is wrong, and why.
@@ -54,7 +73,7 @@ impl CurveScores {
     /// Names of the observables.
     fn names(&self) -> impl Iterator<Item = String> + '_ {
         let kinds = SCORES.iter().take(self.weights.len());
-        kinds.map(|score| format!("{}_{}_{score}", self.kind.name, self.column))
+        kinds.map(|score| format!("{}_{score}_{}", self.kind.name, self.column))
     }
 
     /// The scores of values at the places.
@@ -283,6 +302,7 @@ impl MeasuredCurve {
             )
         });
         Ok(Self {
+            repeats: table.repeats,
             scores,
             file,
             values,

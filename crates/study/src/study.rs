@@ -133,6 +133,14 @@ impl Study {
         })
     }
 
+    /// The measured curves: model, name, columns, and the points of each repeat.
+    pub fn curves(&self) -> impl Iterator<Item = (&str, &str, [&str; 2], Vec<Vec<[f64; 2]>>)> {
+        self.curves.iter().map(|(model, curve)| {
+            let (name, columns, points) = curve.points();
+            (model.as_str(), name, columns, points)
+        })
+    }
+
     /// Name of the result folder: that of the study, with that of the profile.
     pub fn folder_name(&self) -> String {
         match &self.profile {

@@ -5,7 +5,7 @@ use crate::Error;
 use crate::measurement_rows::{place, role_name, rows};
 use crate::numbers::{DASH, observable, signed, with_error};
 use crate::pictures::beds::{Bed, beds};
-use crate::pictures::run_charts::{check_runs, series_of};
+use crate::pictures::run_charts::{check_runs, curve_chart, series_of};
 use crate::run_details::RunDetails;
 use report::{Column, SphereViewer, Table};
 use std::collections::BTreeMap;
@@ -42,6 +42,15 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
             &format!(
                 "{at}: direction of the centre of mass over time, the part behind the start-up (band), and the \
                  moments of the frames (dots)."
+            ),
+        )?;
+    }
+    for curve in page.input.curves {
+        page.chart(
+            curve_chart(page.input, curve).as_ref(),
+            &format!(
+                "{}, {}: measured (points) and simulated by the runs at the estimate (lines).",
+                curve.model, curve.name
             ),
         )?;
     }

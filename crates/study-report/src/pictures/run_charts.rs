@@ -1,8 +1,9 @@
 //! Charts of single runs.
 
-use crate::ReportInput;
 use crate::measurement_rows::{MeasurementRow, rows};
-use crate::run_details::RunDetails;
+use crate::numbers::observable;
+use crate::run_details::{RunDetails, curve_column};
+use crate::{CurvePoints, ReportInput};
 use campaign::run_store::Record;
 use inference::{Model, Role};
 use report::{Axis, AxisTitle, Format, Mark, Plot, PlotPoint, Shape, colour};
@@ -81,6 +82,67 @@ pub(crate) fn series_of(record: &Record) -> Option<Plot> {
     .with(frames)
     .with_all(mean.map(|mean| Mark::level("mean of the steady part", mean)));
     plot.format = Format::Height(280.0);
+    Some(plot)
+}
+
+/// A measured curve beside those of the runs at the estimate; `None` if no record of them is there.
+pub(crate) fn curve_chart(input: &ReportInput<'_>, curve: &CurvePoints) -> Option<Plot> {
+    let is_score = |name: &str| {
+        let score = name.strip_prefix(&curve.name);
+        score.is_some_and(|score| score.ends_with(&curve.column))
+    };
+    let rows = rows(input).into_iter();
+    let mut of_curve =
+        rows.filter(|row| row.model.name == curve.model && is_score(&row.measurement.observable));
+    let records = records_of(input, &of_curve.next()?);
+    let simulated: Vec<Vec<[f64; 2]>> = records
+        .iter()
+        .map(|record| {
+            let along = curve_column(record, &curve.along);
+            let values = curve_column(record, &curve.column);
+            let kept = thinned(&along, &values).into_iter();
+            kept.map(|i| [along[i], values[i]]).collect()
+        })
+        .filter(|points: &Vec<_>| points.len() > 1)
+        .collect();
+    if simulated.is_empty() {
+        return None;
+    }
+    // Lines alone do not widen an axis.
+    let axis = |column: &str, k: usize| {
+        let all = || {
+            simulated
+                .iter()
+                .chain(&curve.repeats)
+                .flatten()
+                .map(|p| p[k])
+        };
+        let low = all().fold(f64::INFINITY, f64::min);
+        let high = all().fold(f64::NEG_INFINITY, f64::max);
+        let (words, unit) = observable(column);
+        Axis::Numbers {
+            title: AxisTitle::new(words, unit),
+            ends: (high > low).then_some([low, high + 0.04 * (high - low)]),
+        }
+    };
+    let measured = curve.repeats.iter().flatten();
+    let measured = measured.map(|[x, y]| PlotPoint::new(*x, *y)).collect();
+    let mut plot = Plot::new(axis(&curve.along, 0), axis(&curve.column, 1))
+        .with(Mark::Line {
+            name: "simulated".into(),
+            colour: colour::BLUE.into(),
+            width: 1.5,
+            dashed: false,
+            label: String::new(),
+            pieces: simulated,
+        })
+        .with(Mark::points(
+            "measured",
+            Shape::Circle,
+            colour::VERMILION,
+            measured,
+        ));
+    plot.format = Format::Height(320.0);
     Some(plot)
 }
 

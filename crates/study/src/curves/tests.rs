@@ -127,7 +127,7 @@ fn repeats_show_their_own_scatter() {
     let table = format!("time_s,mass_g,mass_g_2,mass_g_3,mass_g_4,mass_g_5\n{rows}");
     let curve = read(&table, None, None, 3).unwrap();
     let (name, mean) = &curve.values[0];
-    assert_eq!((name.as_str(), mean.n), ("discharge_mass_g_mean", 5.0));
+    assert_eq!((name.as_str(), mean.n), ("discharge_mean_mass_g", 5.0));
     assert!((mean.sd - 2.5_f64.sqrt()).abs() < 0.02, "{}", mean.sd);
     let refused = read(&table, None, None, 4).unwrap_err();
     assert!(refused.starts_with("sd: is missing"), "{refused}");

@@ -70,7 +70,7 @@ fn a_curve_is_measured_and_read() {
         .collect();
     assert_eq!(
         names,
-        ["compression_strain_mean", "compression_strain_slope"]
+        ["compression_mean_strain", "compression_slope_strain"]
     );
     assert_eq!(study.problem.correlations.len(), 1);
     assert!(study.inputs.contains_key("curve.csv"), "{:?}", study.inputs);

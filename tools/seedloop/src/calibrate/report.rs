@@ -4,7 +4,7 @@ use anyhow::Context as _;
 use scene::FillingLibrary;
 use std::path::Path;
 use study::{Study, StudyResult, StudySimulator};
-use study_report::{ComparedValue, ReportInput};
+use study_report::{ComparedValue, CurvePoints, ReportInput};
 
 /// Writes the report into the result folder.
 ///
@@ -32,6 +32,16 @@ pub(crate) fn write(
     let defaults: Vec<String> = defaults
         .map(|d| format!("{} = {}: {}", d.key, d.value, d.why))
         .collect();
+    let curves = study
+        .curves()
+        .map(|(model, name, [along, column], repeats)| CurvePoints {
+            model: model.into(),
+            name: name.into(),
+            along: along.into(),
+            column: column.into(),
+            repeats,
+        });
+    let curves: Vec<CurvePoints> = curves.collect();
     let none = FillingLibrary::default();
     let input = ReportInput {
         name: &result.name,
@@ -46,6 +56,7 @@ pub(crate) fn write(
         scenes: &study.models,
         fillings: simulator.fillings().unwrap_or(&none),
         records: &result.records,
+        curves: &curves,
         spent: result.spent,
     };
     study_report::write(folder, &input)
