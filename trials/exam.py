@@ -66,9 +66,23 @@ SETS = {
     ),
     "beads-3-declared": (
         "the same at 3 %, water declared",
+        "13 to 34 % more bulk than dry, by the areas",
+        "seed-count",
+        ["diagnose", "fixtures/water-beads/wet-3.toml", "--profile", "declared"],
+        BEADS,
+    ),
+    "beads-3-filling": (
+        "the same at 3 %, filling uncertain by 15 %",
+        "the water",
+        "liquid-bridges",
+        ["diagnose", "fixtures/water-beads/wet-3-filling.toml"],
+        BEADS,
+    ),
+    "beads-3-filling-declared": (
+        "the same, water declared",
         "nothing",
         "none",
-        ["diagnose", "fixtures/water-beads/wet-3.toml", "--profile", "declared"],
+        ["diagnose", "fixtures/water-beads/wet-3-filling.toml", "--profile", "declared"],
         BEADS,
     ),
 }

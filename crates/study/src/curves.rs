@@ -291,16 +291,7 @@ impl MeasuredCurve {
         let values = values.map(|(k, name)| (name, MeasuredValue::of_mean(means[k], sd(k), n)));
         let values: Vec<_> = values.collect();
         drop(covariance);
-        let left = repeats.iter().map(|values| scores.left_of(values));
-        let left = left.fold(0.0, f64::max);
-        let remark = entry.sd.filter(|sd| left > LEFT * sd).map(|sd| {
-            format!(
-                "{}: {} scores leave {} of the curve (root mean square), where one value deviates by {sd}: more scores would take more of it",
-                file.display(),
-                entry.scores,
-                significant(left, 2)
-            )
-        });
+        let remark = scores.remark(entry, repeats, &file);
         Ok(Self {
             repeats: table.repeats,
             scores,
@@ -313,6 +304,19 @@ impl MeasuredCurve {
 }
 
 impl CurveScores {
+    /// That the scores leave much of the curve; `None` if they do not, or if no error is stated.
+    fn remark(&self, entry: &CurveEntry, repeats: &[Vec<f64>], file: &Path) -> Option<String> {
+        let left = repeats.iter().map(|values| self.left_of(values));
+        let left = left.fold(0.0, f64::max);
+        let sd = entry.sd.filter(|sd| left > LEFT * sd)?;
+        Some(format!(
+            "{}: {} scores leave {} of the curve (root mean square), where one value deviates by {sd}: more scores would take more of it",
+            file.display(),
+            entry.scores,
+            significant(left, 2)
+        ))
+    }
+
     /// Covariance of the scores of one curve.
     ///
     /// # Formula
