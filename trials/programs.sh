@@ -17,6 +17,7 @@ build() { cargo build --release --locked "$@"; }
 ignored() { cargo test --release --locked -p "$1" "${@:2}" -- --ignored --nocapture; }
 
 case ${1:-} in
+    bench-decks) debian liggghts && lammps && python3 trials/bench_decks.py "${@:2}" ;;
     bench-peers) debian liggghts && lammps && cargo run --release --locked -p benchmark -- --peers "${@:2}" ;;
     body-files)
         debian liggghts && debian yade && lammps && pypi vtk vtk

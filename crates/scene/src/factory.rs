@@ -21,6 +21,11 @@ use probability::random_stream::Stream;
 /// Where seeds appear: above this share of the height of the apparatus.
 const FLOOR: f64 = 0.3;
 
+/// Height above which seeds appear in a room between two heights, m.
+pub(crate) fn lowest_place(low: f64, high: f64) -> f64 {
+    low + FLOOR * (high - low)
+}
+
 /// What makes the seeds of a run.
 #[derive(Debug, Clone)]
 pub(crate) struct Factory {
@@ -100,7 +105,7 @@ impl Factory {
             .map(|body| Capsule::around(&body.clump))
             .collect();
         let [low, high] = apparatus.device().room();
-        let low = Vector3::new(low.x, low.y + FLOOR * (high.y - low.y), low.z);
+        let low = Vector3::new(low.x, lowest_place(low.y, high.y), low.z);
         let reach = capsules.iter().map(Capsule::reach).fold(0.0, f64::max);
         let mut placed: Vec<Placed> = (0..inside)
             .filter(|&i| bodies.position[i].y > low.y - 2.0 * reach)

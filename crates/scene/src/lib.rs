@@ -49,6 +49,7 @@ mod phase_times;
 mod phases;
 mod picture;
 mod placement;
+mod procedure;
 mod reduce;
 mod rest_load;
 mod retry;
@@ -84,7 +85,9 @@ pub use obstacles::{PlacedWall, VibrationSettings, WallSettings, walls_in_frame}
 pub use outline::read_pile;
 pub use parse::{Override, like_names, setting_at};
 pub use phase_times::{PhaseTimes, TimeSpent};
+pub use phases::{End, LOAD_CARRIED, Outlet, Passage, Phase, Plan, Sample};
 pub use picture::frame_picture;
+pub use procedure::{ForeignRun, Procedure, ProcedureWall, Surface, observe_foreign};
 pub use retry::{USUAL_RETRIES, run_retrying};
 pub use run::{
     Ending, ObservableValues, Regime, RunResult, run, run_on, running_world, settled_world,

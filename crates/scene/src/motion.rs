@@ -233,9 +233,7 @@ fn wait_for_rest(running: &mut Running<'_>, keeper: &mut dyn Keeper) -> Result<(
     let rest = rest_energy(scene, &running.built.world);
     let made = running.built.factory.as_ref();
     let made = made.map_or(0.0, Factory::duration);
-    let limit = made + scene.protocol.settle_limit.si();
-    // Free fall across the apparatus comes first: at the very start nothing moves.
-    let fall = (2.0 * fall_height(scene) / scene.model.gravity_m_s2).sqrt();
+    let [shortest, limit] = filling_times(scene, made);
     let plan = scene.apparatus.device().plan(scene);
     loop {
         let gone = running.log.passages.len();
@@ -248,7 +246,7 @@ fn wait_for_rest(running: &mut Running<'_>, keeper: &mut dyn Keeper) -> Result<(
             running.take_out(plan.outlets(0))?;
         }
         let world = &running.built.world;
-        let rested = world.time() > made + fall && world.kinetic_energy() < rest;
+        let rested = world.time() > shortest && world.kinetic_energy() < rest;
         if rested || world.time() >= limit {
             let factory = running.built.factory.as_ref();
             let made = world.bodies().len() + running.log.passages.len();
@@ -258,14 +256,22 @@ fn wait_for_rest(running: &mut Running<'_>, keeper: &mut dyn Keeper) -> Result<(
     }
 }
 
+/// Shortest and longest time of a filling whose last seed appears at a time (s), s.
+pub(crate) fn filling_times(scene: &Scene, made: f64) -> [f64; 2] {
+    // Free fall across the apparatus comes first: at the very start nothing moves.
+    let fall = (2.0 * fall_height(scene) / scene.model.gravity_m_s2).sqrt();
+    [made + fall, made + scene.protocol.settle_limit.si()]
+}
+
 /// Kinetic energy below which all seeds rest, J.
 pub(crate) fn rest_energy(scene: &Scene, world: &World) -> f64 {
-    let size = world
-        .templates()
-        .iter()
-        .map(Template::smallest_radius)
-        .fold(f64::INFINITY, f64::min);
-    AT_REST * scene.seed_mass() * scene.model.gravity_m_s2 * 10.0 * size
+    let sizes = world.templates().iter().map(Template::smallest_radius);
+    rest_energy_of(scene, sizes.fold(f64::INFINITY, f64::min))
+}
+
+/// The same for seeds whose smallest sphere has a radius (m).
+pub(crate) fn rest_energy_of(scene: &Scene, smallest_radius: f64) -> f64 {
+    AT_REST * scene.seed_mass() * scene.model.gravity_m_s2 * 10.0 * smallest_radius
 }
 
 /// Moves the world by a time (s), and looks whether it can still be believed.

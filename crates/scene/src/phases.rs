@@ -14,14 +14,15 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Largest difference of the force on a loaded wall from its load, over the load, in a bed that carries it.
-const LOAD_CARRIED: f64 = 0.02;
+pub const LOAD_CARRIED: f64 = 0.02;
 
 /// What an apparatus does to its bed. The first phase fills it and ends when the seeds rest; the others follow.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Plan {
-    pub(crate) phases: Vec<Phase>,
+pub struct Plan {
+    /// The phases, in order.
+    pub phases: Vec<Phase>,
     /// Time between two samples, s; 20 ms is a multiple of it.
-    pub(crate) interval: f64,
+    pub interval: f64,
 }
 
 impl Plan {
@@ -55,15 +56,17 @@ impl Plan {
 
 /// A time in which each wall of triangles keeps one motion.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Phase {
-    pub(crate) name: String,
+pub struct Phase {
+    /// Name.
+    pub name: String,
     /// Motions that begin with the phase, by the name of the wall; other walls keep their motion.
-    pub(crate) motions: Vec<(String, Motion)>,
+    pub motions: Vec<(String, Motion)>,
     /// Walls that are taken away at its start.
-    pub(crate) removed: Vec<String>,
+    pub removed: Vec<String>,
     /// Where seeds are taken out during the phase.
-    pub(crate) outlets: Vec<Outlet>,
-    pub(crate) end: End,
+    pub outlets: Vec<Outlet>,
+    /// When it ends.
+    pub end: End,
 }
 
 impl Phase {
@@ -81,7 +84,7 @@ impl Phase {
 
 /// When a phase ends.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum End {
+pub enum End {
     /// When all seeds rest and all loaded walls are carried, not before a time (s); at the latest after the rotation limit.
     AtRest {
         /// Shortest time, s.
@@ -123,11 +126,11 @@ impl End {
 
 /// A plane that takes out the seeds whose centres pass it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Outlet {
+pub struct Outlet {
     /// A point of the plane, m.
-    pub(crate) point: Vector3<f64>,
+    pub point: Vector3<f64>,
     /// Unit normal, away from the bed.
-    pub(crate) normal: Vector3<f64>,
+    pub normal: Vector3<f64>,
 }
 
 impl Outlet {
@@ -144,7 +147,7 @@ impl Outlet {
     /// # Formula
     ///
     /// The smaller root of `s = v t - a t²/2`: s the distance behind the plane, v and a the speed and gravity along its normal.
-    fn passed(
+    pub fn passed(
         &self,
         position: &Vector3<f64>,
         velocity: &Vector3<f64>,
@@ -165,24 +168,25 @@ impl Outlet {
 
 /// The apparatus and its bed at one moment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Sample {
-    pub(crate) phase: usize,
+pub struct Sample {
+    /// Number of the phase; 0 is the filling.
+    pub phase: usize,
     /// Time since the start of the phase, s.
-    pub(crate) time: f64,
+    pub time: f64,
     /// Force of the bed on each wall, N: analytic walls, then walls of triangles.
-    pub(crate) forces: Vec<Vector3<f64>>,
+    pub forces: Vec<Vector3<f64>>,
     /// Torque of the bed on each wall of triangles about its centre of rotation, N m.
     #[serde(default)]
-    pub(crate) torques: Vec<Vector3<f64>>,
+    pub torques: Vec<Vector3<f64>>,
     /// Displacement of each wall of triangles, m.
-    pub(crate) displacements: Vec<Vector3<f64>>,
+    pub displacements: Vec<Vector3<f64>>,
     /// Mass of the bed, kg.
-    pub(crate) mass: f64,
+    pub mass: f64,
     /// Height of its centre of mass, m; 0 of an empty bed.
-    pub(crate) centre: f64,
+    pub centre: f64,
     /// Mass of the seeds whose centres are below y = 0, kg.
     #[serde(default)]
-    pub(crate) below: f64,
+    pub below: f64,
 }
 
 impl Sample {
@@ -214,12 +218,13 @@ impl Sample {
 
 /// A seed that passed an outlet.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Passage {
-    pub(crate) phase: usize,
+pub struct Passage {
+    /// Number of the phase.
+    pub phase: usize,
     /// Time since the start of the phase, s.
-    pub(crate) time: f64,
+    pub time: f64,
     /// Mass, kg.
-    pub(crate) mass: f64,
+    pub mass: f64,
 }
 
 /// How far the phases have come, and what was seen on the way.
@@ -244,6 +249,26 @@ pub(crate) struct Seen<'a> {
     log: &'a Log,
     /// Names of analytic walls, then of walls of triangles.
     walls: Vec<String>,
+}
+
+impl<'a> Seen<'a> {
+    /// What was seen of a run, with the names of its analytic walls and then of its walls of triangles.
+    pub(crate) fn new(
+        (scene, plan): (&'a Scene, &'a Plan),
+        frame: &'a Frame,
+        bodies: &'a [Arc<SeedBody>],
+        log: &'a Log,
+        walls: Vec<String>,
+    ) -> Self {
+        Self {
+            scene,
+            plan,
+            frame,
+            bodies,
+            log,
+            walls,
+        }
+    }
 }
 
 impl Seen<'_> {
@@ -363,16 +388,8 @@ pub(crate) fn run_phases(
     let start = running.drive_since.unwrap_or(0.0);
     let frame = snapshot(&built, built.world.time() - start);
     let analytic = built.world.walls().iter().map(|wall| wall.name.clone());
-    let seen = Seen {
-        scene,
-        plan,
-        frame: &frame,
-        bodies: &built.bodies,
-        log: &log,
-        walls: analytic
-            .chain(built.meshes.iter().map(|mesh| mesh.name.clone()))
-            .collect(),
-    };
+    let walls = analytic.chain(built.meshes.iter().map(|mesh| mesh.name.clone()));
+    let seen = Seen::new((scene, plan), &frame, &built.bodies, &log, walls.collect());
     let observables = device.observe(&seen)?;
     let curve = device.curve().map(|kind| Curve {
         kind,

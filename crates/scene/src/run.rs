@@ -463,7 +463,7 @@ fn trace_at(cover: f64, spheres: impl Iterator<Item = Sphere>, drum: &DrumCircle
     Some(measure(&points, drum).ok()?.line)
 }
 
-/// Where the seeds of a scene start, their bodies, and the time step of the solver (s).
+/// Where the seeds of a scene start, their bodies, and the time step of the solver (s). A bed that is poured starts without seeds.
 ///
 /// # Errors
 ///
@@ -473,7 +473,11 @@ pub fn starting_frame(
     library: &FillingLibrary,
     seed: u64,
 ) -> Result<(Frame, Vec<Arc<SeedBody>>, f64), Error> {
-    let built = build_filled(scene, library, seed)?;
+    let built = if scene.apparatus.device().needs_insertion_rate() {
+        build(scene, library, seed)?
+    } else {
+        build_filled(scene, library, seed)?
+    };
     let frame = snapshot(&built, 0.0);
     Ok((frame, built.bodies, built.world.settings().time_step))
 }

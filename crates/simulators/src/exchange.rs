@@ -1,10 +1,12 @@
 //! Scenes and frames in the formats of other tools.
 //!
-//! [`lammps`] and [`liggghts`] write a drum as a deck that these run, with every convention converted and the
-//! conversion written into the deck. [`read_positions`] reads what any code gives back as a [`Moment`], so that its bed is
+//! [`lammps`] and [`liggghts`] write a drum or a bench as a deck that these run, with every convention converted and the
+//! conversion written into the deck. [`bench_results`] reads what the deck of a bench leaves. [`read_positions`] reads what any code gives back as a [`Moment`], so that its bed is
 //! measured with the ruler of this workspace. [`edem`] writes a table of settings. [`vtk`] and
 //! [`csv`] write every sphere of every seed, for `ParaView` and for a fluid solver, [`npz`] the frames as arrays for `NumPy`.
 
+mod bench_deck;
+pub mod bench_results;
 pub mod csv;
 mod drum_deck;
 pub mod dump;

@@ -1,4 +1,4 @@
-//! What other programs take over: the parameters as a file of settings, and the drums as decks.
+//! What other programs take over: the parameters as a file of settings, and drums and benches as decks.
 
 use crate::{Error, Study, StudyResult};
 use command_line::{Overwrite, write_new};
@@ -48,7 +48,7 @@ fn of_result(calibration: &Calibration) -> ParameterFile {
     }
 }
 
-/// Writes `parameters.toml`, and in `decks/SCENE/lammps` and `decks/SCENE/liggghts` every drum with the estimates.
+/// Writes `parameters.toml`, and in `decks/SCENE/lammps` and `decks/SCENE/liggghts` every drum and bench in phases with the estimates.
 ///
 /// A deck that the other program cannot run is left out; the reason joins the remarks of the result. Gives the files, in
 /// the order in which they were written; each is written whole or not at all.
@@ -69,7 +69,8 @@ pub fn write_hand_over(
     let mut written = vec![path];
     let fillings = &study.fillings;
     for (name, scene) in &study.scenes {
-        if !matches!(scene.apparatus, Apparatus::Drum(_)) {
+        let is_drum = matches!(scene.apparatus, Apparatus::Drum(_));
+        if !is_drum && !scene.apparatus.has_phases() {
             continue;
         }
         let (scene, _) = parameters.applied(scene)?;
@@ -103,7 +104,7 @@ fn lammps_deck(
     seed: u64,
 ) -> Result<Vec<File>, simulators::exchange::Error> {
     let (frame, bodies, time_step) = starting_frame(scene, fillings, seed)?;
-    lammps::deck(scene, &bodies, &frame, time_step)
+    lammps::deck(scene, &bodies, &frame, time_step, seed)
 }
 
 fn liggghts_deck(
@@ -111,8 +112,8 @@ fn liggghts_deck(
     fillings: &FillingLibrary,
     seed: u64,
 ) -> Result<Vec<File>, simulators::exchange::Error> {
-    let (_, bodies, time_step) = starting_frame(scene, fillings, seed)?;
-    liggghts::deck(scene, &bodies, time_step, seed)
+    let (frame, bodies, time_step) = starting_frame(scene, fillings, seed)?;
+    liggghts::deck(scene, &bodies, &frame, time_step, seed)
 }
 
 /// Writes a result as JSON, whole or not at all; numbers that are not finite become null.

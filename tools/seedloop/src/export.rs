@@ -7,16 +7,16 @@ use command_line::{Common, DONE, Header, try_folder, write_new};
 use scene::{FillingLibrary, starting_frame};
 use serde::Serialize;
 use simulators::exchange::vtk::File;
-use simulators::exchange::{add_warnings, csv, edem, lammps, liggghts, require_drum, vtk};
+use simulators::exchange::{add_warnings, csv, edem, lammps, liggghts, vtk};
 use simulators::scene_simulator::ReadScene;
 use std::path::PathBuf;
 
 /// A format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// Deck of a drum for LAMMPS: in.drum, drum.data, drum.bodies
+    /// Deck for LAMMPS: of a drum in.drum, drum.data, drum.bodies; of a bench in.bench, bench.data ...
     Lammps,
-    /// Deck of a drum for LIGGGHTS: in.drum, cover.stl, seed1.spheres ...
+    /// Deck for LIGGGHTS: of a drum in.drum, cover.stl, seed1.spheres ...; of a bench in.bench, an STL file for each wall ...
     Liggghts,
     /// Table of settings for EDEM: edem.csv, and the spheres of each kind of seed
     Edem,
@@ -89,15 +89,15 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let library = FillingLibrary::default();
     let mut files = match arguments.format {
         Format::Lammps => {
-            // Before places are sought, which a poured bed does not have.
-            require_drum(&scene, "LAMMPS")?;
+            // Before places are sought, which takes time.
+            lammps::check_deck(&scene)?;
             let (frame, bodies, time_step) = starting_frame(&scene, &library, arguments.seed)?;
-            lammps::deck(&scene, &bodies, &frame, time_step)?
+            lammps::deck(&scene, &bodies, &frame, time_step, arguments.seed)?
         }
         Format::Liggghts => {
-            require_drum(&scene, "LIGGGHTS")?;
-            let (_, bodies, time_step) = starting_frame(&scene, &library, arguments.seed)?;
-            liggghts::deck(&scene, &bodies, time_step, arguments.seed)?
+            liggghts::check_deck(&scene)?;
+            let (frame, bodies, time_step) = starting_frame(&scene, &library, arguments.seed)?;
+            liggghts::deck(&scene, &bodies, &frame, time_step, arguments.seed)?
         }
         Format::Edem => {
             let (_, bodies, time_step) = starting_frame(&scene, &library, arguments.seed)?;

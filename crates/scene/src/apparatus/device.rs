@@ -137,6 +137,11 @@ pub(crate) trait Device {
         false
     }
 
+    /// Cylinder about the y axis in which seeds appear that must come at a rate: radius, lower and upper end, m.
+    fn inlet(&self) -> Option<[f64; 3]> {
+        None
+    }
+
     /// Greatest stress of a loaded wall on the bed, Pa.
     fn greatest_stress(&self) -> f64 {
         0.0

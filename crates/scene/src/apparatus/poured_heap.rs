@@ -5,6 +5,7 @@ use super::heap::{check_size, floor};
 use super::shapes::{at_rest, between_circles, of_equal_area};
 use super::{NamedMesh, NamedWall};
 use crate::check::bad;
+use crate::factory::lowest_place;
 use crate::outline::read_round_heap;
 use crate::phases::{Outlet, Phase, Plan, Seen};
 use crate::picture::heap_angles;
@@ -105,6 +106,11 @@ impl Device for PouredHeap {
 
     fn needs_insertion_rate(&self) -> bool {
         true
+    }
+
+    fn inlet(&self) -> Option<[f64; 3]> {
+        let [low, high] = self.room();
+        Some([high.x, lowest_place(low.y, high.y), high.y])
     }
 
     fn has_phases(&self) -> bool {

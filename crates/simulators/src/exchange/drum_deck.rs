@@ -99,7 +99,7 @@ pub(crate) fn lever_share(body: &SeedBody) -> f64 {
     levers.sum::<f64>() / outer.len() as f64
 }
 
-/// The drum of a scene; decks have no other apparatus.
+/// The drum of a scene, which other codes run until its bed is steady.
 ///
 /// # Errors
 ///
@@ -110,7 +110,7 @@ pub fn require_drum<'a>(scene: &'a Scene, tool: &'static str) -> Result<&'a Drum
         return Err(Error::NotThere {
             what: format!("the apparatus '{kind}' with its walls and phases"),
             tool,
-            way_out: "export a scene with a drum, or its settings as a table for EDEM",
+            way_out: "choose a scene with a drum; benches are exported as decks",
         });
     };
     Ok(drum)
@@ -148,6 +148,23 @@ pub(crate) fn supported<'a>(scene: &'a Scene, tool: &'static str) -> Result<&'a 
             "remove ramp, reverse_every and ripple",
         );
     }
+    supported_model(scene, tool)?;
+    Ok(drum)
+}
+
+/// Refuses a scene with a model that neither LAMMPS nor LIGGGHTS has.
+///
+/// # Errors
+///
+/// What is missing, by name.
+pub(crate) fn supported_model(scene: &Scene, tool: &'static str) -> Result<(), Error> {
+    let missing = |what: &str, way_out| {
+        Err(Error::NotThere {
+            what: what.to_owned(),
+            tool,
+            way_out,
+        })
+    };
     if !scene.surroundings.is_empty() {
         return missing("air, charge or vibration", "remove [surroundings]");
     }
@@ -181,5 +198,12 @@ pub(crate) fn supported<'a>(scene: &'a Scene, tool: &'static str) -> Result<&'a 
     if materials.len() > 1 {
         return missing("a second material of seeds", "give all seeds one material");
     }
-    Ok(drum)
+    Ok(())
+}
+
+/// Where the random numbers of a seed begin in a deck. The codes read them as signed 32-bit numbers, so that a seed is spread over those:
+/// seeds from 0 on are as far apart as the golden section puts them.
+pub(crate) fn first_of(seed: u64) -> u64 {
+    const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
+    10_007 + (seed.wrapping_mul(GOLDEN) >> 32) % 2_000_000_000
 }

@@ -14,6 +14,16 @@ const BODY: [&str; 3] = ["mol", "id_multisphere", "body"];
 ///
 /// Text that is not a dump, a missing column, a cell that is not a number.
 pub fn read(text: &str, file: &str, first_line: usize) -> Result<Vec<Moment>, Error> {
+    read_by(&BODY, text, file, first_line)
+}
+
+/// The same, with the number of the seed in the first of some columns that the dump has.
+pub(crate) fn read_by(
+    body: &[&str],
+    text: &str,
+    file: &str,
+    first_line: usize,
+) -> Result<Vec<Moment>, Error> {
     let lines: Vec<&str> = text.lines().collect();
     if lines.is_empty() && first_line == 1 {
         return Err(Error::Positions {
@@ -57,7 +67,7 @@ pub fn read(text: &str, file: &str, first_line: usize) -> Result<Vec<Moment>, Er
             columns: &columns,
             header_line: first_line + at + 8,
         };
-        let places = rows.places(["x", "y", "z"], "radius", ["vx", "vy", "vz"], &BODY)?;
+        let places = rows.places(["x", "y", "z"], "radius", ["vx", "vy", "vz"], body)?;
         let count = usize::try_from(count).unwrap_or(usize::MAX);
         let mut spheres: Vec<BedSphere> = Vec::new();
         for k in 0..count {

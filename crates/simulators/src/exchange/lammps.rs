@@ -12,12 +12,18 @@
 //! | mass and inertia of the seed | `infile` of `fix rigid/small` |
 //! | gravity on bodies | `fix gravity ... disable`, and `gravity` of `fix rigid/small` |
 
+mod bench;
+mod motion;
+mod regions;
+
 use crate::exchange::Error;
+use crate::exchange::bench_deck;
 use crate::exchange::drum_deck::{
     FINER, Shares, are_spheres, coheres, density_of_sphere, restitution_of_body, steps, supported,
 };
 use crate::exchange::vtk::{File, add};
 use contact_law::{Material, NormalForceEnd, material::effective_moduli};
+use nalgebra::Vector3;
 use scene::{Drum, Frame, Scene, SeedBody};
 use std::sync::Arc;
 
@@ -75,25 +81,30 @@ pub fn convert(from: &Conversion) -> GranularContact {
     }
 }
 
-/// The deck: `in.drum`, `drum.data`, `drum.bodies`. `time_step` is the one that the solver here takes, s.
+/// The deck: of a drum `in.drum`, `drum.data`, `drum.bodies`; of a bench `in.bench` and the same. `time_step` is the one that the solver
+/// here takes, s; `seed` that of the places of seeds that are poured.
 ///
 /// # Errors
 ///
-/// As of [`setup`].
+/// As of [`setup`], and of a bench a wall that is not of rectangles and surfaces of revolution.
 pub fn deck(
     scene: &Scene,
     bodies: &[Arc<SeedBody>],
     start: &Frame,
     time_step: f64,
+    seed: u64,
 ) -> Result<Vec<File>, Error> {
     let time_step = time_step / FINER;
+    if scene.apparatus.has_phases() {
+        return bench::deck(scene, bodies, (start, seed), time_step);
+    }
     let mut files = setup(scene, bodies, start, time_step)?;
     let columns = dump_columns(bodies);
     files[0].text.push_str(&runs(scene, columns, time_step));
     Ok(files)
 }
 
-/// Refuses scenes that LAMMPS would run otherwise, or not at all.
+/// Refuses scenes that LAMMPS would not run until a bed is steady, or otherwise than here.
 ///
 /// # Errors
 ///
@@ -106,13 +117,33 @@ pub fn check(scene: &Scene) -> Result<(), Error> {
 fn runnable(scene: &Scene) -> Result<&Drum, Error> {
     let drum = supported(scene, TOOL)?;
     if scene.contact.values().any(coheres) {
-        return Err(Error::NotThere {
-            what: "an attraction by the area of contact".into(),
-            tool: TOOL,
-            way_out: "remove cohesion_energy_density_j_m3",
-        });
+        return Err(no_cohesion());
     }
     Ok(drum)
+}
+
+/// Refuses what no deck can have, before seeds are placed: the apparatus, the model.
+///
+/// # Errors
+///
+/// What LAMMPS does not have, by name.
+pub fn check_deck(scene: &Scene) -> Result<(), Error> {
+    if !scene.apparatus.has_phases() {
+        return check(scene);
+    }
+    bench_deck::check(scene, TOOL)?;
+    if scene.contact.values().any(coheres) {
+        return Err(no_cohesion());
+    }
+    Ok(())
+}
+
+fn no_cohesion() -> Error {
+    Error::NotThere {
+        what: "an attraction by the area of contact".into(),
+        tool: TOOL,
+        way_out: "remove cohesion_energy_density_j_m3",
+    }
 }
 
 /// The same files, but `in.drum`, the first, ends before the first run; `time_step` is that of the deck, s.
@@ -136,14 +167,14 @@ pub fn setup(
         let rows = (plain_atoms(bodies, start), "sphere");
         return Ok(vec![
             script,
-            file("drum.data", data(drum, rows, start.kind.len())),
+            file("drum.data", data(&box_of(drum), rows, start.kind.len())),
         ]);
     }
     let atoms = surface_atoms(bodies, start);
     let n = atoms.lines().count();
     Ok(vec![
         script,
-        file("drum.data", data(drum, (atoms, "hybrid"), n)),
+        file("drum.data", data(&box_of(drum), (atoms, "hybrid"), n)),
         file("drum.bodies", rigid_bodies(bodies, start)),
     ])
 }
@@ -181,15 +212,22 @@ fn contact(scene: &Scene, bodies: &[Arc<SeedBody>], other: &str) -> Result<Granu
 
 /// A contact as the words of `pair_coeff` and `fix wall/gran/region`.
 fn words(scene: &Scene, bodies: &[Arc<SeedBody>], c: &GranularContact) -> String {
+    let load = 10.0 * bodies[0].clump.mass() * scene.model.gravity_m_s2;
+    let way = ROLLING_WAY * bodies[0].clump.spheres()[0].radius;
+    words_with(scene, c, [c.rolling_friction * load / way, 0.0])
+}
+
+/// The same with the spring (N/m) and the dashpot (N s/m) of rolling.
+fn words_with(scene: &Scene, c: &GranularContact, [stiffness, damping]: [f64; 2]) -> String {
     let mut text = format!(
         "hertz/material {:e} {} {} tangential mindlin NULL {} {} damping coeff_restitution",
         c.young, c.restitution, c.poisson, c.tangential_damping, c.static_friction
     );
     if c.rolling_friction > 0.0 {
-        let load = 10.0 * bodies[0].clump.mass() * scene.model.gravity_m_s2;
-        let way = ROLLING_WAY * bodies[0].clump.spheres()[0].radius;
-        let stiffness = c.rolling_friction * load / way;
-        let text_of_rolling = format_args!(" rolling sds {stiffness:e} 0.0 {}", c.rolling_friction);
+        let text_of_rolling = format_args!(
+            " rolling sds {stiffness:e} {damping:?} {}",
+            c.rolling_friction
+        );
         add(&mut text, text_of_rolling);
     }
     if scene.model.normal_force_end == NormalForceEnd::Clipped {
@@ -351,13 +389,18 @@ fn plain_atoms(bodies: &[Arc<SeedBody>], start: &Frame) -> String {
     rows
 }
 
-/// The data file with its `n` atoms, whose rows are of a style.
-fn data(drum: &Drum, (rows, style): (String, &str), n: usize) -> String {
+/// Lower and upper corner of the box about a drum, m.
+fn box_of(drum: &Drum) -> [Vector3<f64>; 2] {
     let (r, h) = (0.55 * drum.inner_diameter.si(), 0.6 * drum.width.si());
+    [Vector3::new(-r, -r, -h), Vector3::new(r, r, h)]
+}
+
+/// The data file with its `n` atoms in a box, whose rows are of a style.
+fn data([low, high]: &[Vector3<f64>; 2], (rows, style): (String, &str), n: usize) -> String {
     format!(
-        "Spheres at the surface of seeds\n\n{n} atoms\n1 atom types\n\n{} {r} xlo xhi\n{} {r} ylo \
-         yhi\n{} {h} zlo zhi\n\nAtoms # {style}\n\n{rows}",
-        -r, -r, -h
+        "Spheres at the surface of seeds\n\n{n} atoms\n1 atom types\n\n{} {} xlo xhi\n{} {} ylo \
+         yhi\n{} {} zlo zhi\n\nAtoms # {style}\n\n{rows}",
+        low.x, high.x, low.y, high.y, low.z, high.z
     )
 }
 
@@ -397,88 +440,4 @@ fn rigid_bodies(bodies: &[Arc<SeedBody>], start: &Frame) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::{Conversion, convert, setup};
-    use contact_law::{Material, material::effective_moduli};
-    use dev_support::fixture_files::fixture;
-    use nalgebra::Vector3;
-    use scene::{FillingLibrary, Scene, starting_frame};
-
-    fn conversion() -> Conversion {
-        Conversion {
-            materials: [
-                Material::new(0.14, 4.01e6).unwrap(),
-                Material::new(0.42, 1.04e9).unwrap(),
-            ],
-            coefficients: [0.13, 0.33, 0.1],
-            mass_share: 1.0 / 146.0,
-            lever_share: 7.0,
-        }
-    }
-
-    /// The converted material against itself has the moduli of the pair; rounding only.
-    #[test]
-    fn moduli_of_the_pair_are_kept() {
-        let from = conversion();
-        let pair = effective_moduli(&from.materials[0], &from.materials[1]);
-        let got = convert(&from);
-        let own = Material::new(got.poisson, got.young / (2.0 * (1.0 + got.poisson))).unwrap();
-        let same = effective_moduli(&own, &own);
-        assert!((same.young / pair.young - 1.0).abs() < 1e-12, "{got:?}");
-        assert!((same.shear / pair.shear - 1.0).abs() < 1e-12, "{got:?}");
-    }
-
-    /// With the mass of the body nothing changes; with that of the sphere the ratio of damping falls by
-    /// the root of the masses, and the restitution rises.
-    #[test]
-    fn restitution_is_that_of_the_same_dashpot_on_the_mass_of_the_body() {
-        let body = Conversion {
-            mass_share: 1.0,
-            ..conversion()
-        };
-        assert!(
-            (convert(&body).restitution - 0.13).abs() < 1e-14,
-            "the same"
-        );
-        let ratio = |e: f64| -e.ln() / e.ln().hypot(std::f64::consts::PI);
-        let got = ratio(convert(&conversion()).restitution) / ratio(0.13);
-        assert!((got * 146_f64.sqrt() - 1.0).abs() < 1e-12, "{got}");
-    }
-
-    /// A seed that turns about a principal axis has the angular momentum I w along it; a seed at 45 degrees to two
-    /// axes has the parts of both. Values with the moments of the seed; rounding only.
-    #[test]
-    fn seeds_of_a_frame_keep_their_motion() {
-        let file = fixture("cotton/drum.toml");
-        let scene = Scene::read(&file, &[]).unwrap();
-        let (mut frame, bodies, step) =
-            starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
-        let turn = frame.orientation[1];
-        frame.velocity[1] = Vector3::new(0.1, 0.2, -0.3);
-        frame.spin[0] = frame.orientation[0] * Vector3::new(0.0, 0.0, 5.0);
-        frame.spin[1] = turn * Vector3::new(2.0, 2.0, 0.0);
-        let files = setup(&scene, &bodies, &frame, step).unwrap();
-        let row = |i: usize| -> Vec<f64> {
-            let line = files[2].text.lines().nth(i + 1).unwrap();
-            line.split_whitespace()
-                .map(|word| word.parse().unwrap())
-                .collect()
-        };
-        let moments = [0, 1].map(|i| bodies[frame.kind[i]].clump.inertia());
-        let momentum = |i: usize| Vector3::from_column_slice(&row(i)[14..17]);
-        let near = |got: Vector3<f64>, expected: Vector3<f64>| {
-            let error = (got - expected).norm() / expected.norm();
-            assert!(error < 1e-12, "{got} for {expected}");
-        };
-        near(momentum(0), moments[0].z * frame.spin[0]);
-        let both = Vector3::new(2.0 * moments[1].x, 2.0 * moments[1].y, 0.0);
-        near(momentum(1), turn * both);
-        assert_eq!(row(1)[11..14], [0.1, 0.2, -0.3]);
-    }
-
-    #[test]
-    fn rolling_friction_takes_the_lever_arm_along() {
-        let got = convert(&conversion()).rolling_friction;
-        assert!((got - 0.7).abs() < 1e-15, "{got}");
-    }
-}
+mod tests;

@@ -1,4 +1,4 @@
-//! A drum as a deck for LIGGGHTS-PUBLIC 3.8 (`fix multisphere`).
+//! A drum or a bench as a deck for LIGGGHTS-PUBLIC 3.8 (`fix multisphere`); walls of a bench are STL files.
 //!
 //! # What is converted
 //!
@@ -8,20 +8,24 @@
 //! | dashpot with the mass of the sphere | LIGGGHTS takes that of the rigid body: the ratio b is scaled by sqrt(`m_sphere` / `m_body`) and turned back into a restitution |
 //! | clipped end of the normal force | `limitForce on` |
 //! | rolling friction of type A with the arm of the body or of the sphere | `rolling_friction cdt torsionTorque on`, whose arm is the reduced radius of the spheres: with the arm of the body the coefficient is scaled by arm over radius |
+//! | rolling friction of type C | `rolling_friction epsd2`, whose spring is `k_t R*²` for 2.25 of that here, without the dashpot here; the limit is the same |
 //! | cohesion by the area of contact | `cohesion sjkr` |
 //! | mass and inertia of the seed | `mass` and `inertia_tensor` of the template |
-//! | places of the seeds | [`deck`] lets seeds rain into the turning drum; [`setup`] can also put each where a frame has it, by an insertion of its own |
+//! | places of the seeds | [`deck`] lets seeds rain into the turning drum, and puts those of a bench where they start here; [`setup`] can also put each where a frame has it, by an insertion of its own |
 
+mod bench;
 mod law;
+mod motion;
 mod seeds;
 
 use crate::exchange::Error;
+use crate::exchange::bench_deck;
 use crate::exchange::drum_deck::{FINER, are_spheres, steps, supported};
 use crate::exchange::vtk::File;
 use dem_solver::DashpotMass;
 use input::quantity::Frequency;
-use law::{Law, law, refuse_values};
-use scene::{Drum, Frame, RollingLaw, Scene, SeedBody};
+use law::{Law, law, refuse_values, surfaces};
+use scene::{Drum, Frame, Scene, SeedBody};
 use seeds::{placed, put, rain, spheres, spheres_file};
 use std::sync::Arc;
 
@@ -43,19 +47,24 @@ pub enum Start<'a> {
     Frame(&'a Frame),
 }
 
-/// The deck: `in.drum`, `cover.stl`, and one file of spheres for each kind of seeds. `time_step` is the one that
-/// the solver here takes, s; `seed` that of the places of the seeds.
+/// The deck: of a drum `in.drum`, `cover.stl`, and one file of spheres for each kind of seeds, which rain in; of a bench `in.bench`, an STL
+/// file for each wall, and the seeds where they start here. `time_step` is the one that the solver here takes, s; `seed` that of the
+/// places of seeds that rain in.
 ///
 /// # Errors
 ///
-/// As of [`setup`].
+/// As of [`setup`], and of a bench a wall that both moves and carries a load.
 pub fn deck(
     scene: &Scene,
     bodies: &[Arc<SeedBody>],
+    start: &Frame,
     time_step: f64,
     seed: u64,
 ) -> Result<Vec<File>, Error> {
     let time_step = time_step / FINER;
+    if scene.apparatus.has_phases() {
+        return bench::deck(scene, bodies, (start, seed), time_step);
+    }
     let mut files = setup(scene, bodies, Start::Rain(seed), time_step)?;
     files[0].text.push_str(&runs(scene, time_step));
     Ok(files)
@@ -66,15 +75,14 @@ pub fn deck(
 ///
 /// # Errors
 ///
-/// An apparatus other than a drum of constant speed, a tilted axis, cohesion, rolling resistance of type C, several
-/// materials of seeds.
+/// An apparatus other than a drum of constant speed, several materials of seeds.
 pub fn setup(
     scene: &Scene,
     bodies: &[Arc<SeedBody>],
     start: Start<'_>,
     time_step: f64,
 ) -> Result<Vec<File>, Error> {
-    let drum = runnable(scene)?;
+    let drum = supported(scene, TOOL)?;
     if are_spheres(bodies) && matches!(start, Start::Frame(_)) {
         return Err(Error::NotThere {
             what: "a start of plain spheres from a frame".into(),
@@ -103,29 +111,33 @@ pub fn setup(
     Ok(files)
 }
 
-/// The drum, if LIGGGHTS can run the scene.
-fn runnable(scene: &Scene) -> Result<&Drum, Error> {
-    let drum = supported(scene, TOOL)?;
-    if scene.model.rolling_law == RollingLaw::SpringDashpot {
-        return Err(Error::NotThere {
-            what: "rolling resistance of type C".into(),
-            tool: TOOL,
-            way_out: "calibrate with model.rolling_law = \"constant-torque\"",
-        });
-    }
-    Ok(drum)
-}
-
-/// Refuses scenes that LIGGGHTS would run otherwise, or not at all.
+/// Refuses scenes that LIGGGHTS would not run until a bed is steady, or otherwise than here.
 ///
 /// # Errors
 ///
 /// Those of [`setup`], and that of the restitution of agglomerates, which depends on their bodies.
 pub fn check(scene: &Scene) -> Result<(), Error> {
-    let drum = runnable(scene)?;
+    let drum = supported(scene, TOOL)?;
+    refuse_values(scene, &surfaces(scene, drum), known_share(scene))
+}
+
+/// Refuses what no deck can have, before seeds are placed: the apparatus, the model, values.
+///
+/// # Errors
+///
+/// What LIGGGHTS does not have, by name.
+pub fn check_deck(scene: &Scene) -> Result<(), Error> {
+    if !scene.apparatus.has_phases() {
+        return check(scene);
+    }
+    bench_deck::check(scene, TOOL)
+}
+
+/// Mass in the dashpot over that of the body, as far as it is known without the body: the least restitution otherwise.
+fn known_share(scene: &Scene) -> f64 {
     let whole = scene.model.dashpot_mass != DashpotMass::Sphere;
-    let share_is_one = whole || scene.seed.iter().all(|seed| seed.sphere.is_some());
-    refuse_values(scene, drum, if share_is_one { 1.0 } else { 0.0 })
+    let is_one = whole || scene.seed.iter().all(|seed| seed.sphere.is_some());
+    if is_one { 1.0 } else { 0.0 }
 }
 
 /// Time in which the seeds rain in and come to lie, s.
@@ -199,14 +211,14 @@ fn script(
     start: Start<'_>,
     time_step: f64,
 ) -> Result<String, Error> {
-    let law = law(scene, drum, bodies)?;
+    let law = law(scene, &surfaces(scene, drum), bodies)?;
     let (radius, half) = (0.5 * drum.inner_diameter.si(), 0.5 * drum.width.si());
     let outer = bodies.iter().flat_map(|b| b.outer.spheres());
     let smallest = outer.map(|s| s.radius).fold(f64::INFINITY, f64::min);
     let down = drum.tilt.map_or(0.0, input::quantity::Angle::si);
     let [shapes, first, how] = match start {
         Start::Rain(seed) => [
-            rain(scene, bodies, steps(INSERTION, time_step), seed),
+            rain(scene, bodies, (steps(INSERTION, time_step), ""), seed),
             String::new(),
             "The seeds rain into the turning drum.".into(),
         ],

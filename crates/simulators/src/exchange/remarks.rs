@@ -19,7 +19,7 @@ pub fn add_warnings(files: &mut Vec<File>, warnings: &[String]) {
     let Some(first) = files.first_mut() else {
         return;
     };
-    if first.name == "in.drum" {
+    if first.name.starts_with("in.") {
         first.text.insert_str(0, &lines("# ", ""));
     } else if Path::new(&first.name)
         .extension()

@@ -364,18 +364,35 @@ fn what_a_deck_cannot_carry_is_refused() {
     }
 }
 
-/// The apparatus is named before anything else is wrong with its deck, as the places of seeds that are poured.
+/// A bench is written with its walls and starts from a script that says how it is run; an apparatus that decks do not have is refused by its
+/// name before anything is written.
 #[test]
-fn decks_of_benches_are_refused_by_the_name_of_the_apparatus() {
+fn benches_are_written_as_decks_or_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
-    for kind in ["poured-heap", "hopper", "compression", "ledge"] {
-        let scene = dev_support::fixture_files::fixture(&format!("benches/{kind}.toml"));
+    let export = |format: &str, scene: &str, out: &str| {
+        let scene = dev_support::fixture_files::fixture(scene);
+        let words = ["export", format, scene.to_str().unwrap(), "--out", out];
+        seedloop(folder.path(), &words)
+    };
+    assert_code(&export("lammps", "benches/hopper.toml", "l"), 0);
+    assert_code(&export("liggghts", "benches/poured-heap.toml", "g"), 0);
+    let at = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    assert!(
+        at("l/in.bench").contains("run it with -in") && at("l/bench.data").contains("900 atoms")
+    );
+    assert!(
+        at("g/in.bench").contains("insert/rate/region")
+            && at("g/disc.stl").starts_with("solid disc")
+    );
+    for (scene, named) in [
+        ("cotton/metering.toml", "the apparatus 'metering'"),
+        ("benches/bulk-density.toml", "an outlet"),
+    ] {
         for (format, tool) in [("lammps", "LAMMPS"), ("liggghts", "LIGGGHTS")] {
-            let words = ["export", format, scene.to_str().unwrap(), "--out", "deck"];
-            let named = format!("the apparatus '{kind}'");
-            assert_error(&seedloop(folder.path(), &words), &[&named, tool, "drum"]);
+            assert_error(&export(format, scene, "none"), &[named, tool]);
         }
     }
+    assert!(!folder.path().join("none").exists());
 }
 
 /// A heap is drawn from the side, and its results are written beside.

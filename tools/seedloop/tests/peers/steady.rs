@@ -116,7 +116,7 @@ fn bed_of_the_exported_deck_agrees_with_lammps() {
     compare("LAMMPS", "lammps", |scene, seed| {
         let library = FillingLibrary::default();
         let (start, bodies, step) = starting_frame(scene, &library, seed).expect("a start");
-        lammps::deck(scene, &bodies, &start, step).expect("a deck")
+        lammps::deck(scene, &bodies, &start, step, seed).expect("a deck")
     });
 }
 
@@ -125,7 +125,7 @@ fn bed_of_the_exported_deck_agrees_with_lammps() {
 fn bed_of_the_exported_deck_agrees_with_liggghts() {
     compare("LIGGGHTS", "liggghts", |scene, seed| {
         let library = FillingLibrary::default();
-        let (_, bodies, step) = starting_frame(scene, &library, seed).expect("a start");
-        liggghts::deck(scene, &bodies, step, seed).expect("a deck")
+        let (start, bodies, step) = starting_frame(scene, &library, seed).expect("a start");
+        liggghts::deck(scene, &bodies, &start, step, seed).expect("a deck")
     });
 }

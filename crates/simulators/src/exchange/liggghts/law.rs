@@ -3,8 +3,9 @@
 use super::{TOOL, list};
 use crate::exchange::Error;
 use crate::exchange::drum_deck::{Shares, coheres, restitution_of_body};
+use crate::exchange::vtk::add;
 use contact_law::NormalForceEnd;
-use scene::{ContactSettings, Drum, Scene, SeedBody};
+use scene::{ContactSettings, Drum, RollingLaw, Scene, SeedBody};
 use std::sync::Arc;
 
 /// Restitutions that it takes lie above this.
@@ -24,26 +25,25 @@ pub(super) struct Law {
     pub(super) is_soft: bool,
 }
 
-/// The materials of seeds, shell and cover.
-fn surfaces<'a>(scene: &'a Scene, drum: &'a Drum) -> [&'a String; 3] {
+/// The materials of seeds, shell and cover of a drum, one type of atoms each.
+pub(super) fn surfaces<'a>(scene: &'a Scene, drum: &'a Drum) -> [&'a str; 3] {
     [&scene.seed[0].material, &drum.shell, &drum.cover]
 }
 
 /// The contacts of the first material with each.
-fn contacts<'a>(scene: &'a Scene, names: [&String; 3]) -> Result<[&'a ContactSettings; 3], Error> {
-    let contact = |name: &String| -> Result<&ContactSettings, Error> {
+fn contacts<'a>(scene: &'a Scene, names: &[&str]) -> Result<Vec<&'a ContactSettings>, Error> {
+    let contact = |name: &&str| -> Result<&ContactSettings, Error> {
         let missing = || scene::Error::MissingContact {
             file: scene.file.clone(),
             pair: format!("{}-{name}", names[0]),
         };
         Ok(scene.contact_of(names[0], name).ok_or_else(missing)?)
     };
-    Ok([contact(names[0])?, contact(names[1])?, contact(names[2])?])
+    names.iter().map(contact).collect()
 }
 
-/// Refuses values at which it stops when it reads a deck; `mass_share` is that of a sphere that touches, over its body.
-pub(super) fn refuse_values(scene: &Scene, drum: &Drum, mass_share: f64) -> Result<(), Error> {
-    let names = surfaces(scene, drum);
+/// Refuses values of the materials of a deck, the seeds' first, at which it stops when it reads the deck; `mass_share` is that of a sphere that touches, over its body.
+pub(super) fn refuse_values(scene: &Scene, names: &[&str], mass_share: f64) -> Result<(), Error> {
     let refused = |what: String, way_out| {
         Err(Error::NotThere {
             what,
@@ -60,7 +60,7 @@ pub(super) fn refuse_values(scene: &Scene, drum: &Drum, mass_share: f64) -> Resu
         }
     }
     for name in names {
-        let ratio = scene.material[name].poisson_ratio.get();
+        let ratio = scene.material[*name].poisson_ratio.get();
         if ratio < 0.0 {
             let what = format!("Poisson's ratio {ratio} of {name}");
             return refused(what, "it takes values from 0 to 0.5 alone");
@@ -69,27 +69,29 @@ pub(super) fn refuse_values(scene: &Scene, drum: &Drum, mass_share: f64) -> Resu
     Ok(())
 }
 
-/// The laws of the contacts of a scene.
-pub(super) fn law(scene: &Scene, drum: &Drum, bodies: &[Arc<SeedBody>]) -> Result<Law, Error> {
-    let names = surfaces(scene, drum);
-    let materials = names.map(|name| &scene.material[name]);
-    let young = materials.map(scene::MaterialSettings::youngs_modulus_pa);
-    let poisson = materials.map(|m| m.poisson_ratio.get());
+/// The laws of the contacts of a scene between its seeds, whose material is the first, and materials of walls.
+pub(super) fn law(scene: &Scene, names: &[&str], bodies: &[Arc<SeedBody>]) -> Result<Law, Error> {
+    let n = names.len();
+    let materials = || names.iter().map(|name| &scene.material[*name]);
+    let young: Vec<f64> = materials()
+        .map(scene::MaterialSettings::youngs_modulus_pa)
+        .collect();
+    let poisson = materials().map(|m| m.poisson_ratio.get());
     let contacts = contacts(scene, names)?;
-    // Row by row; shell and cover never meet.
+    // Row by row; walls never meet.
     let pairs = |of: &dyn Fn(&ContactSettings) -> f64| {
-        let table = (0..3).flat_map(|i| (0..3).map(move |j| usize::max(i, j)));
+        let table = (0..n).flat_map(|i| (0..n).map(move |j| usize::max(i, j)));
         list(table.map(|k| of(contacts[k])))
     };
     let shares = Shares::of(scene, bodies);
-    refuse_values(scene, drum, shares.mass)?;
+    refuse_values(scene, names, shares.mass)?;
     let mut properties = format!(
         "fix young all property/global youngsModulus peratomtype {}\n\
          fix poisson all property/global poissonsRatio peratomtype {}\n\
-         fix restitution all property/global coefficientRestitution peratomtypepair 3 {}\n\
-         fix friction all property/global coefficientFriction peratomtypepair 3 {}\n\
-         fix rolling all property/global coefficientRollingFriction peratomtypepair 3 {}\n",
-        list(young),
+         fix restitution all property/global coefficientRestitution peratomtypepair {n} {}\n\
+         fix friction all property/global coefficientFriction peratomtypepair {n} {}\n\
+         fix rolling all property/global coefficientRollingFriction peratomtypepair {n} {}\n",
+        list(young.iter().copied()),
         list(poisson),
         pairs(&|c| restitution_of_body(c.restitution.get(), shares.mass)),
         pairs(&|c| c.static_friction.get()),
@@ -101,15 +103,20 @@ pub(super) fn law(scene: &Scene, drum: &Drum, bodies: &[Arc<SeedBody>]) -> Resul
     if contacts.iter().any(|c| coheres(c)) {
         model.push_str(" cohesion sjkr");
         let densities = pairs(&|c| c.cohesion_energy_density_j_m3.unwrap_or(0.0));
-        let words = "fix cohesion all property/global cohesionEnergyDensity peratomtypepair 3";
-        properties.extend([
-            words, " ", &densities, "
-",
-        ]);
+        add(
+            &mut properties,
+            format_args!(
+                "fix cohesion all property/global cohesionEnergyDensity peratomtypepair {n} {densities}\n"
+            ),
+        );
     }
-    if rolls {
-        model.push_str(" rolling_friction cdt");
-        settings.push_str(" torsionTorque on");
+    match scene.model.rolling_law {
+        RollingLaw::ConstantTorque if rolls => {
+            model.push_str(" rolling_friction cdt");
+            settings.push_str(" torsionTorque on");
+        }
+        RollingLaw::SpringDashpot if rolls => model.push_str(" rolling_friction epsd2"),
+        _ => (),
     }
     if scene.model.normal_force_end == NormalForceEnd::Clipped {
         settings.push_str(" limitForce on");

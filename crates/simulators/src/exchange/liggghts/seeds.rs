@@ -1,7 +1,7 @@
 //! The seeds of a deck for LIGGGHTS: their shapes, and how they get into the drum.
 
 use super::RATE;
-use crate::exchange::drum_deck::{are_spheres, density_of_sphere};
+use crate::exchange::drum_deck::{are_spheres, density_of_sphere, first_of};
 use crate::exchange::vtk::add;
 use input::quantity::Frequency;
 use nalgebra::Vector3;
@@ -60,8 +60,13 @@ fn shape(
     )
 }
 
-/// The seeds of each kind and how they rain in.
-pub(super) fn rain(scene: &Scene, bodies: &[Arc<SeedBody>], every: f64, seed: u64) -> String {
+/// The seeds of each kind and how they rain into the region `sky`, after so many steps each time and with these words for attempts.
+pub(super) fn rain(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    (every, attempts): (f64, &str),
+    seed: u64,
+) -> String {
     let mut primes = primes_from(first_of(seed));
     let rate = scene.protocol.insertion_rate.map_or(RATE, Frequency::si);
     let turned = if are_spheres(bodies) {
@@ -77,7 +82,7 @@ pub(super) fn rain(scene: &Scene, bodies: &[Arc<SeedBody>], every: f64, seed: u6
         add(
             &mut text,
             format_args!(
-                "fix rain{number} all insert/rate/region seed {} distributiontemplate kind{number} \
+                "fix rain{number} all insert/rate/region seed {} distributiontemplate kind{number}{attempts} \
                  nparticles {} particlerate {rate} insert_every {every} overlapcheck yes all_in yes \
                  {turned}region sky ntry_mc 10000\n",
                 primes.next().unwrap_or(0),
@@ -150,13 +155,6 @@ pub(super) fn put(frame: &Frame) -> String {
         );
     }
     text
-}
-
-/// Where the primes of a seed begin. LIGGGHTS reads them as signed 32-bit numbers, so that a seed is spread over those: seeds
-/// from 0 on are as far apart as the golden section puts them.
-pub(super) fn first_of(seed: u64) -> u64 {
-    const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
-    10_007 + (seed.wrapping_mul(GOLDEN) >> 32) % 2_000_000_000
 }
 
 /// Prime numbers from a number on, as LIGGGHTS wants them for its random numbers.

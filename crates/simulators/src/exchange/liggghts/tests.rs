@@ -1,12 +1,13 @@
 //! What decks for LIGGGHTS say, and what they refuse.
 
-use super::seeds::{first_of, primes_from};
+use super::seeds::primes_from;
 use super::{Start, check, deck, setup};
+use crate::exchange::drum_deck::first_of;
 use contact_law::RollingLever;
 use dev_support::fixture_files::fixture;
 use input::quantity::FrictionCoefficient;
 use nalgebra::Vector3;
-use scene::{FillingLibrary, RollingLaw, Scene, starting_frame};
+use scene::{FillingLibrary, Scene, starting_frame};
 
 fn drum() -> Scene {
     let file = fixture("cotton/drum.toml");
@@ -24,8 +25,8 @@ fn what_it_would_stop_at_is_refused_or_told() {
         });
         let set: Vec<_> = set.collect();
         let scene = Scene::read(&fixture("peers-study/spheres.toml"), &set).unwrap();
-        let (_, bodies, step) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
-        let deck = deck(&scene, &bodies, step, 1).map(|files| files[0].text.clone());
+        let (start, bodies, step) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
+        let deck = deck(&scene, &bodies, &start, step, 1).map(|files| files[0].text.clone());
         // This much needs no body, and is checked before one is made.
         assert_eq!(check(&scene).is_ok(), deck.is_ok());
         deck
@@ -56,8 +57,8 @@ fn what_it_would_stop_at_is_refused_or_told() {
 #[test]
 fn deck_carries_the_study_s_drum() {
     let scene = drum();
-    let (_, bodies, step) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
-    let files = deck(&scene, &bodies, step, 1).unwrap();
+    let (start, bodies, step) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
+    let files = deck(&scene, &bodies, &start, step, 1).unwrap();
     let names: Vec<_> = files.iter().map(|f| f.name.as_str()).collect();
     assert_eq!(
         names,
@@ -142,11 +143,11 @@ fn rolling_friction_goes_out_for_the_arm_of_the_sphere() {
     for contact in scene.contact.values_mut() {
         contact.rolling_friction = FrictionCoefficient::new(0.1).unwrap();
     }
-    let (_, bodies, step) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
+    let (start, bodies, step) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
     let greatest = |lever: RollingLever| -> f64 {
         let mut scene = scene.clone();
         scene.model.rolling_lever = lever;
-        let files = deck(&scene, &bodies, step, 1).unwrap();
+        let files = deck(&scene, &bodies, &start, step, 1).unwrap();
         let line = files[0].text.lines().find(|l| l.contains("fix rolling "));
         let words = line.unwrap().split_whitespace().skip(7);
         words.map(|w| w.parse().unwrap()).fold(0.0, f64::max)
@@ -161,8 +162,12 @@ fn rolling_friction_goes_out_for_the_arm_of_the_sphere() {
 #[test]
 fn cohesion_by_area_goes_out_as_sjkr() {
     let mut scene = drum();
-    let (_, bodies, step) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
-    let deck = |scene: &Scene| deck(scene, &bodies, step, 1).unwrap()[0].text.clone();
+    let (start, bodies, step) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
+    let deck = |scene: &Scene| {
+        deck(scene, &bodies, &start, step, 1).unwrap()[0]
+            .text
+            .clone()
+    };
     assert!(!deck(&scene).contains("cohesion"));
     let own = scene.contact.get_mut("seed-seed").unwrap();
     own.cohesion_energy_density_j_m3 = Some(4e3);
@@ -182,20 +187,19 @@ fn cohesion_by_area_goes_out_as_sjkr() {
 #[test]
 fn what_liggghts_would_run_otherwise_is_refused() {
     let scene = drum();
-    let (_, bodies, step) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
-    let mut spring = scene.clone();
-    spring.model.rolling_law = RollingLaw::SpringDashpot;
+    let (start, bodies, step) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
     let mut shared = scene.clone();
     shared.model.dashpot_mass = dem_solver::DashpotMass::Shared;
     let mut mixed = scene;
     mixed.model.whole_seed_damping = 0.25;
     let refused = [
-        (spring, "type C"),
         (shared, "shares the mass"),
         (mixed, "whole-seed damping of 0.25"),
     ];
     for (scene, word) in refused {
-        let error = deck(&scene, &bodies, step, 1).unwrap_err().to_string();
+        let error = deck(&scene, &bodies, &start, step, 1)
+            .unwrap_err()
+            .to_string();
         assert!(
             error.contains(word) && error.contains("LIGGGHTS"),
             "{error}"
