@@ -6,7 +6,7 @@ use study::{Error, Study};
 use toml::{Table, Value};
 
 /// A wrong key, and where it is put into an example: the refusal names the keys of the table.
-const WRONG_KEYS: [(&str, &str, &str); 20] = [
+const WRONG_KEYS: [(&str, &str, &str); 21] = [
     ("study", "study-example", "name = "),
     ("scene", "study-example", "changes = "),
     ("parameter", "study-example", "low = "),
@@ -15,6 +15,7 @@ const WRONG_KEYS: [(&str, &str, &str); 20] = [
     ("measured", "study-example", "role = "),
     ("photo", "study-example", "photo.roll = "),
     ("value", "study-example", "{ mean = 33.1"),
+    ("curve", "study-example", "{ file = "),
     ("candidate", "study-example", "minutes = "),
     ("compare", "study-example", "source = "),
     ("design", "study-example", "joint = "),
@@ -73,6 +74,7 @@ fn collect(kind: &str, table: &Table, found: &mut BTreeSet<(String, String)>) {
             ("study" | "profile", _) => key.as_str(),
             ("parameter", "prior") => "prior",
             ("measured", "photo") => "photo",
+            ("measured", "curve") => "curve",
             ("measured", "condition") | ("scene", "apparatus") => continue,
             ("measured", _) => "value",
             _ => continue,
@@ -200,15 +202,14 @@ fn what_another_code_does_not_have_is_refused() {
     let scene = folder.path().join("spheres.toml");
     let text = std::fs::read_to_string(&scene).unwrap();
     let text = text.replace("[model]", "[model]\nrolling_law = \"spring-dashpot\"");
-    std::fs::write(&scene, text).unwrap();
+    std::fs::write(&scene, &text).unwrap();
+    // Both have rolling friction of type C.
     Study::read(&path, Some("lammps")).unwrap();
-    let error = Study::read(&path, Some("liggghts"))
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("type C") && error.contains("line"),
-        "{error}"
-    );
+    Study::read(&path, Some("liggghts")).unwrap();
+    std::fs::write(&scene, text.replace("speed = ", "ramp = \"1 s\"\nspeed = ")).unwrap();
+    let error = Study::read(&path, Some("liggghts"));
+    let error = error.expect_err("a drum at a changing speed").to_string();
+    assert!(error.contains("ramp") && error.contains("line"), "{error}");
 
     std::fs::write(&path, right.replace("angle_deg = {", "drive_power_mw = {")).unwrap();
     let error = Study::read(&path, Some("lammps")).unwrap_err().to_string();
