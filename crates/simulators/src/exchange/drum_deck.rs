@@ -1,10 +1,11 @@
 //! What the decks of all tools have in common: which drums they can run, and how conventions are converted.
 
 use crate::exchange::Error;
+use crate::exchange::vtk::add;
 use contact_law::RollingLever;
 use contact_law::hertz_mindlin::{self, damping_ratio};
 use dem_solver::DashpotMass;
-use scene::{Apparatus, ContactSettings, Drum, Scene, SeedBody};
+use scene::{Apparatus, ContactSettings, Drum, Frame, Scene, SeedBody};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -199,6 +200,41 @@ pub(crate) fn supported_model(scene: &Scene, tool: &'static str) -> Result<(), E
         return missing("a second material of seeds", "give all seeds one material");
     }
     Ok(())
+}
+
+/// Plain spheres and their motion, as the rows of atoms and velocities that both codes read.
+pub(crate) fn plain_atoms(bodies: &[Arc<SeedBody>], start: &Frame) -> String {
+    let mut rows = String::new();
+    for (i, c) in start.position.iter().enumerate() {
+        let body = &bodies[start.kind[i]];
+        let (diameter, density) = (
+            2.0 * body.clump.spheres()[0].radius,
+            density_of_sphere(body),
+        );
+        let row = format_args!(
+            "{} 1 {diameter:e} {density} {:e} {:e} {:e}\n",
+            i + 1,
+            c.x,
+            c.y,
+            c.z
+        );
+        add(&mut rows, row);
+    }
+    rows.push_str("\nVelocities\n\n");
+    for (i, (v, w)) in start.velocity.iter().zip(&start.spin).enumerate() {
+        let row = format_args!(
+            "{} {:e} {:e} {:e} {:e} {:e} {:e}\n",
+            i + 1,
+            v.x,
+            v.y,
+            v.z,
+            w.x,
+            w.y,
+            w.z
+        );
+        add(&mut rows, row);
+    }
+    rows
 }
 
 /// Where the random numbers of a seed begin in a deck. The codes read them as signed 32-bit numbers, so that a seed is spread over those:

@@ -19,7 +19,7 @@ mod regions;
 use crate::exchange::Error;
 use crate::exchange::bench_deck;
 use crate::exchange::drum_deck::{
-    FINER, Shares, are_spheres, coheres, density_of_sphere, restitution_of_body, steps, supported,
+    FINER, Shares, are_spheres, coheres, plain_atoms, restitution_of_body, steps, supported,
 };
 use crate::exchange::vtk::{File, add};
 use contact_law::{Material, NormalForceEnd, material::effective_moduli};
@@ -350,41 +350,6 @@ fn surface_atoms(bodies: &[Arc<SeedBody>], start: &Frame) -> String {
             );
             add(&mut rows, row);
         }
-    }
-    rows
-}
-
-/// Plain spheres and their motion, as rows of atoms and velocities.
-fn plain_atoms(bodies: &[Arc<SeedBody>], start: &Frame) -> String {
-    let mut rows = String::new();
-    for (i, c) in start.position.iter().enumerate() {
-        let body = &bodies[start.kind[i]];
-        let (diameter, density) = (
-            2.0 * body.clump.spheres()[0].radius,
-            density_of_sphere(body),
-        );
-        let row = format_args!(
-            "{} 1 {diameter:e} {density} {:e} {:e} {:e}\n",
-            i + 1,
-            c.x,
-            c.y,
-            c.z
-        );
-        add(&mut rows, row);
-    }
-    rows.push_str("\nVelocities\n\n");
-    for (i, (v, w)) in start.velocity.iter().zip(&start.spin).enumerate() {
-        let row = format_args!(
-            "{} {:e} {:e} {:e} {:e} {:e} {:e}\n",
-            i + 1,
-            v.x,
-            v.y,
-            v.z,
-            w.x,
-            w.y,
-            w.z
-        );
-        add(&mut rows, row);
     }
     rows
 }

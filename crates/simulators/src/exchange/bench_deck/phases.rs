@@ -19,8 +19,8 @@ pub(crate) trait Dialect {
         before: (Option<&AxialLoad>, Option<&Motion>),
     ) -> String;
 
-    /// Ends insertions.
-    fn end_filling(&self, deck: &BenchDeck<'_>) -> String;
+    /// Name of the fixes that insert seeds, before the number of the kind.
+    fn insertion(&self) -> &'static str;
 
     /// Columns of the dump.
     fn columns(&self) -> &'static str;
@@ -87,7 +87,13 @@ fn phase(deck: &BenchDeck<'_>, dialect: &dyn Dialect, number: usize, walls: &mut
     text.push_str(&runs(deck, number, phase));
     text.push_str("unfix table\nundump bed\n");
     if number == 0 {
-        text.push_str(&dialect.end_filling(deck));
+        let kinds = deck.procedure.inlet.map_or(0, |_| deck.bodies.len());
+        for k in 1..=kinds {
+            add(
+                &mut text,
+                format_args!("unfix {}{k}\n", dialect.insertion()),
+            );
+        }
     }
     text
 }

@@ -16,12 +16,11 @@
 use super::motion::Lammps;
 use super::regions::{Regions, constant_turn, regions, spin_of};
 use super::{
-    GranularContact, TOOL, contact, data, dump_columns, plain_atoms, rigid_bodies, surface_atoms,
-    words_with,
+    GranularContact, TOOL, contact, data, dump_columns, rigid_bodies, surface_atoms, words_with,
 };
 use crate::exchange::Error;
 use crate::exchange::bench_deck::{AXES, BenchDeck, script};
-use crate::exchange::drum_deck::{are_spheres, coheres, first_of};
+use crate::exchange::drum_deck::{are_spheres, coheres, first_of, plain_atoms};
 use crate::exchange::vtk::{File, add};
 use contact_law::rolling_spring_dashpot::{DAMPING_RATIO, STIFFNESS_RATIO};
 use scene::{Frame, RollingLaw, Scene, SeedBody};

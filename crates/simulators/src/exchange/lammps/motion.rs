@@ -74,17 +74,8 @@ impl Dialect for Lammps<'_> {
         text
     }
 
-    fn end_filling(&self, deck: &BenchDeck<'_>) -> String {
-        let kinds = if deck.procedure.inlet.is_some() {
-            deck.bodies.len()
-        } else {
-            0
-        };
-        let mut text = String::new();
-        for k in 1..=kinds {
-            add(&mut text, format_args!("unfix pour{k}\n"));
-        }
-        text
+    fn insertion(&self) -> &'static str {
+        "pour"
     }
 
     fn columns(&self) -> &'static str {

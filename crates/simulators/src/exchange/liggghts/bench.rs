@@ -18,7 +18,7 @@ use super::motion::{Liggghts, refuse_motions, touched};
 use super::seeds::{placed, put, rain, spheres, spheres_file};
 use crate::exchange::Error;
 use crate::exchange::bench_deck::{AXES, BenchDeck, script, stl};
-use crate::exchange::drum_deck::{are_spheres, density_of_sphere, steps};
+use crate::exchange::drum_deck::{are_spheres, plain_atoms, steps};
 use crate::exchange::vtk::{File, add};
 use dem_solver::AxialLoad;
 use nalgebra::Vector3;
@@ -204,35 +204,7 @@ fn data(deck: &BenchDeck<'_>, start: &Frame) -> String {
         low.z,
         high.z
     );
-    for (i, c) in start.position.iter().enumerate() {
-        let body = &deck.bodies[start.kind[i]];
-        let (diameter, density) = (
-            2.0 * body.clump.spheres()[0].radius,
-            density_of_sphere(body),
-        );
-        let row = format_args!(
-            "{} 1 {diameter:e} {density} {:e} {:e} {:e}\n",
-            i + 1,
-            c.x,
-            c.y,
-            c.z
-        );
-        add(&mut text, row);
-    }
-    text.push_str("\nVelocities\n\n");
-    for (i, (v, w)) in start.velocity.iter().zip(&start.spin).enumerate() {
-        let row = format_args!(
-            "{} {:e} {:e} {:e} {:e} {:e} {:e}\n",
-            i + 1,
-            v.x,
-            v.y,
-            v.z,
-            w.x,
-            w.y,
-            w.z
-        );
-        add(&mut text, row);
-    }
+    text.push_str(&plain_atoms(deck.bodies, start));
     text
 }
 

@@ -171,17 +171,8 @@ impl Dialect for Liggghts<'_> {
         text
     }
 
-    fn end_filling(&self, deck: &BenchDeck<'_>) -> String {
-        let kinds = if deck.procedure.inlet.is_some() {
-            deck.bodies.len()
-        } else {
-            0
-        };
-        let mut text = String::new();
-        for k in 1..=kinds {
-            add(&mut text, format_args!("unfix rain{k}\n"));
-        }
-        text
+    fn insertion(&self) -> &'static str {
+        "rain"
     }
 
     fn columns(&self) -> &'static str {
