@@ -104,8 +104,7 @@ impl CurveScores {
     /// A record without the curve, or with one that ends before the measured one, in words.
     pub(crate) fn read(&self, record: &Record) -> Result<BTreeMap<String, Observation>, String> {
         let name = self.kind.name;
-        let details: RunDetails =
-            serde_json::from_value(record.details().clone()).map_err(|error| error.to_string())?;
+        let details = RunDetails::of(record).map_err(|error| error.to_string())?;
         let curve = details.curve.filter(|curve| curve.name == name);
         let mut columns = curve.map(|curve| curve.columns).unwrap_or_default();
         let both = columns
