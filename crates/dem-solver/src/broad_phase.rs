@@ -6,6 +6,7 @@
 )]
 
 use crate::lanes::{LANES, set_bits, squares};
+use crate::periodic::Period;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, f32x16};
 use nalgebra::Vector3;
@@ -25,6 +26,10 @@ pub(crate) struct BodyGrid {
     /// x, y, z of the bodies in `order` against the lower corner of all, m, and room for one
     /// more group at the end.
     sorted: [Vec<f32>; 3],
+    /// Positions between the periodic sides, by body, m.
+    positions: Vec<Vector3<f64>>,
+    /// Periodic sides.
+    period: Period,
     /// Lower and upper corner of all positions, m.
     low: Vector3<f64>,
     high: Vector3<f64>,
@@ -44,7 +49,18 @@ const MOST_CELLS_PER_BODY: usize = 64;
 
 impl BodyGrid {
     /// Sorts the bodies into cells; positions in m, finite; `radii` by body, m.
-    pub(crate) fn sort(&mut self, positions: &[Vector3<f64>], radii: &[f64], margin: f64) {
+    pub(crate) fn sort(
+        &mut self,
+        positions: &[Vector3<f64>],
+        radii: &[f64],
+        margin: f64,
+        period: Period,
+    ) {
+        self.period = period;
+        let mut inside = std::mem::take(&mut self.positions);
+        inside.clear();
+        inside.extend(positions.iter().map(|p| period.inside(p)));
+        let positions = inside.as_slice();
         self.largest = radii.iter().copied().fold(0.0, f64::max);
         self.low = fold(positions, f64::INFINITY, f64::min);
         self.high = fold(positions, f64::NEG_INFINITY, f64::max);
@@ -67,16 +83,15 @@ impl BodyGrid {
             self.size *= 2.0;
         }
         self.fill_cells(positions);
+        self.positions = inside;
     }
 
     /// Calls `found` with each body i of a range and its partners j < i, in rising order: the
-    /// bodies closer than the sum of both radii and the margin. Positions and radii as in
-    /// [`Self::sort`].
+    /// bodies closer than the sum of both radii and the margin, in any image. Radii as in [`Self::sort`].
     pub(crate) fn for_each_body(
         &self,
         level: Level,
         range: Range<usize>,
-        positions: &[Vector3<f64>],
         radii: &[f64],
         partners: &mut Vec<u32>,
         mut found: impl FnMut(usize, &[u32]),
@@ -85,22 +100,26 @@ impl BodyGrid {
         let rounding = 1e-6 * ((self.high - self.low).amax() + self.size);
         for i in range {
             partners.clear();
-            let p = &positions[i];
             let reach = radii[i] + self.margin;
-            // A cell is as wide as the largest body and the margin together, so that partners are in the 27 cells about it.
-            let near = single_square(reach + self.largest + rounding);
-            let centre = single(&(p - self.low));
-            for_each_row(self.cell_of_point(p), self.counts, |first, last| {
-                let range = self.start[first] as usize..self.start[last + 1] as usize;
-                dispatch!(level, simd => self.near(simd, range, &centre, near, |j| {
-                    let other = j as usize;
-                    let limit = reach + radii[other];
-                    if other < i && (positions[other] - p).norm_squared() < limit * limit {
-                        partners.push(j);
-                    }
-                }));
-            });
+            let farthest = reach + self.largest + rounding;
+            let near = single_square(farthest);
+            for p in self.period.images(self.positions[i], farthest) {
+                let centre = single(&(p - self.low));
+                // A cell is as wide as the largest body and the margin together, so that partners are in the 27 cells about it.
+                for_each_row(self.cell_of_point(&p), self.counts, |first, last| {
+                    let range = self.start[first] as usize..self.start[last + 1] as usize;
+                    dispatch!(level, simd => self.near(simd, range, &centre, near, |j| {
+                        let other = j as usize;
+                        let limit = reach + radii[other];
+                        if other < i && (self.positions[other] - p).norm_squared() < limit * limit {
+                            partners.push(j);
+                        }
+                    }));
+                });
+            }
             partners.sort_unstable();
+            // Two images of a body may be near.
+            partners.dedup();
             found(i, partners);
         }
     }
@@ -223,6 +242,7 @@ fn single_square(length: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::BodyGrid;
+    use crate::periodic::Period;
     use fearless_simd::Level;
     use nalgebra::Vector3;
     use probability::random_stream::Stream;
@@ -232,45 +252,55 @@ mod tests {
         grid: &mut BodyGrid,
         positions: &[Vector3<f64>],
         radii: &[f64],
+        period: Period,
     ) -> Vec<(usize, usize)> {
         let mut found = Vec::new();
-        grid.sort(positions, radii, 0.02);
+        grid.sort(positions, radii, 0.02, period);
         let (level, all) = (Level::new(), 0..positions.len());
-        grid.for_each_body(
-            level,
-            all,
-            positions,
-            radii,
-            &mut Vec::new(),
-            |i, partners| {
-                found.extend(partners.iter().map(|&j| (j as usize, i)));
-            },
-        );
+        grid.for_each_body(level, all, radii, &mut Vec::new(), |i, partners| {
+            found.extend(partners.iter().map(|&j| (j as usize, i)));
+        });
         found
     }
 
-    /// The grid finds exactly the pairs that a double loop finds, for mixed sizes.
+    /// The grid finds exactly the pairs that a double loop finds, for mixed sizes; between periodic sides, in the nearest of all images, wherever
+    /// the bodies have gone.
     #[test]
     fn grid_finds_the_pairs_of_a_double_loop() {
         let mut stream = Stream::new(1, "grid");
-        let positions: Vec<_> = (0..300)
-            .map(|_| Vector3::from_fn(|_, _| stream.uniform()))
-            .collect();
         let radii: Vec<f64> = (0..300).map(|_| stream.between(0.01, 0.06)).collect();
-        let found = pairs(&mut BodyGrid::default(), &positions, &radii);
-        let mut expected = Vec::new();
-        for j in 0..300 {
-            for i in 0..j {
-                if (positions[i] - positions[j]).norm() < radii[i] + radii[j] + 0.02 {
-                    expected.push((i, j));
+        for (period, spread) in [
+            (Period::default(), 1.0),
+            (Period::between(0.1, 0.36, 0.24).unwrap(), 2.0),
+        ] {
+            let positions: Vec<_> = (0..300)
+                .map(|_| {
+                    Vector3::from_fn(|k, _| stream.uniform() * if k == 2 { spread } else { 1.0 })
+                })
+                .collect();
+            let found = pairs(&mut BodyGrid::default(), &positions, &radii, period);
+            let mut expected = Vec::new();
+            for j in 0..300 {
+                for i in 0..j {
+                    let images = (-9..=9).map(|k| {
+                        let shift = if period.is_some() {
+                            0.26 * f64::from(k)
+                        } else {
+                            0.0
+                        };
+                        (positions[i] - positions[j] + Vector3::z() * shift).norm()
+                    });
+                    if images.fold(f64::INFINITY, f64::min) < radii[i] + radii[j] + 0.02 {
+                        expected.push((i, j));
+                    }
                 }
             }
+            assert!(
+                expected.len() > 100,
+                "the test has too few pairs to mean anything"
+            );
+            assert_eq!(found, expected);
         }
-        assert!(
-            expected.len() > 100,
-            "the test has too few pairs to mean anything"
-        );
-        assert_eq!(found, expected);
     }
 
     /// One body at any finite distance neither fills the memory nor stops the search, and the
@@ -285,7 +315,7 @@ mod tests {
                 Vector3::x() * 0.1,
                 Vector3::new(far, -far, 0.0),
             ];
-            let found = pairs(&mut grid, &positions, &[0.06; 4]);
+            let found = pairs(&mut grid, &positions, &[0.06; 4], Period::default());
             assert_eq!(found, [(1, 2)], "at {far} m");
             assert!(
                 grid.start.len() < 1 << 13,
@@ -297,6 +327,9 @@ mod tests {
 
     #[test]
     fn grid_of_no_body_has_no_pair() {
-        assert_eq!(pairs(&mut BodyGrid::default(), &[], &[]), []);
+        assert_eq!(
+            pairs(&mut BodyGrid::default(), &[], &[], Period::default()),
+            []
+        );
     }
 }

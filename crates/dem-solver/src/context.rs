@@ -6,6 +6,7 @@
 )]
 
 use crate::interaction::Interaction;
+use crate::periodic::Period;
 use crate::settings::Settings;
 use crate::spheres::sphere::Sphere;
 use crate::template::{CELLS, Template};
@@ -51,6 +52,8 @@ pub(crate) struct Context<'a> {
     pub(crate) n_materials: usize,
     /// Distances of the sphere lists.
     pub(crate) cutoffs: Cutoffs,
+    /// Periodic sides.
+    pub(crate) period: Period,
     /// Time step, s.
     pub(crate) time_step: f64,
     /// What each body gives to each of its bridges of liquid, m³; empty in a dry world.

@@ -18,6 +18,16 @@ pub enum Error {
         /// What holds the number, by name or index.
         what: String,
     },
+    /// Periodic sides that are too near each other.
+    #[error(
+        "periodic sides {length} m apart; for these bodies they must be at least {least} m apart"
+    )]
+    PeriodicSides {
+        /// Distance of the sides, m.
+        length: f64,
+        /// Least distance, m.
+        least: f64,
+    },
     /// The steps of a world cannot be spread over threads.
     #[error("{threads} threads cannot be used: {reason}")]
     Threads {

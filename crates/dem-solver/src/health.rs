@@ -33,7 +33,8 @@ impl World {
         let bodies = self.bodies();
         let (time, time_step) = (self.time(), self.settings().time_step);
         for body in 0..bodies.len() {
-            let (position, velocity) = (bodies.position[body], bodies.velocity[body]);
+            let position = self.between_sides(&bodies.position[body]);
+            let velocity = bodies.velocity[body];
             let spin = bodies.spin[body];
             let turned = bodies.orientation[body].coords;
             if !(position + velocity + spin).sum().is_finite() || !turned.sum().is_finite() {
@@ -74,7 +75,9 @@ impl World {
         for contact in self.kept_pairs() {
             let (i, j, key) = (contact.body, contact.other, contact.key);
             let templates = [i, j].map(|k| &self.templates()[bodies.template[k]]);
-            let Some(pair) = PairFrame::new(bodies, [i, j]).sphere_pair(key, templates, 0.0) else {
+            let Some(pair) =
+                PairFrame::new(bodies, [i, j], self.period()).sphere_pair(key, templates, 0.0)
+            else {
                 continue;
             };
             let [a, b] = pair.radii;
@@ -85,7 +88,7 @@ impl World {
                     j,
                     share,
                     limit,
-                    position: place(&bodies.position[i]),
+                    position: place(&self.between_sides(&bodies.position[i])),
                     time: self.time(),
                     time_step: self.settings().time_step,
                 });

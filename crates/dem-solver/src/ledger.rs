@@ -190,7 +190,10 @@ impl EnergyLedger {
         for i in 0..bodies.len() {
             for j in i + 1..bodies.len() {
                 let reach = bounding_radius(i) + bounding_radius(j);
-                if (bodies.position[j] - bodies.position[i]).norm() > reach {
+                let between = world
+                    .period()
+                    .nearest(bodies.position[j] - bodies.position[i]);
+                if between.norm() > reach {
                     continue;
                 }
                 let known = |spheres| self.memory(&(i, j, false, spheres));

@@ -75,6 +75,7 @@ mod mesh_wall;
 mod neighbours;
 mod pair_force;
 mod part;
+mod periodic;
 mod phases;
 pub mod plain;
 mod pose;

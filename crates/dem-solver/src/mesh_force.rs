@@ -13,6 +13,7 @@ use crate::error::Error;
 use crate::liquid::bridge_volume;
 use crate::load::Load;
 use crate::mesh_wall::{MeshWall, Motion, Moving};
+use crate::periodic::Period;
 use crate::shared_mass::{Shares, Turned};
 use crate::template::{OuterSphere, Template};
 use contact_law::ContactGeometry;
@@ -143,13 +144,23 @@ impl MeshWalls {
     }
 
     /// Lists the bodies whose bounding sphere is within the margin (m) of a triangle, and its triangles there.
-    pub(crate) fn rebuild(&mut self, bodies: &Bodies, templates: &[Template], margin: f64) {
+    pub(crate) fn rebuild(
+        &mut self,
+        bodies: &Bodies,
+        templates: &[Template],
+        margin: f64,
+        period: Period,
+    ) {
         let mut old = std::mem::take(&mut self.near).into_iter().peekable();
         for body in 0..bodies.len() {
             let reach = templates[bodies.template[body]].bounding_radius + margin;
+            let inside = period.inside(&bodies.position[body]);
             for (wall, moving) in self.moving.iter().enumerate() {
-                let own = moving.own_point(&bodies.position[body]);
-                let triangles = moving.near(&own, reach);
+                let images = period.images(inside, margin);
+                let near = images.flat_map(|image| moving.near(&moving.own_point(&image), reach));
+                let mut triangles: Vec<u32> = near.collect();
+                triangles.sort_unstable();
+                triangles.dedup();
                 if triangles.is_empty() {
                     continue;
                 }
@@ -193,7 +204,7 @@ impl MeshWalls {
             if within_reach.is_empty() && near.touches.is_empty() {
                 continue;
             }
-            let body = bodies.mover(near.body);
+            let body = context.period.at_walls(bodies.mover(near.body));
             let total = find_contacts(
                 &within_reach,
                 &mut near.touches,
@@ -262,18 +273,22 @@ impl Near {
         context: &Context<'_>,
     ) {
         let skin = f64::from(context.cutoffs.skin);
-        let (position, rotation) = (bodies.position[self.body], bodies.rotation[self.body]);
+        let inside = context.period.inside(&bodies.position[self.body]);
+        let rotation = bodies.rotation[self.body];
         self.candidates.clear();
         let mut nearest = f64::INFINITY;
         for (k, sphere) in (0_u16..).zip(&template.spheres) {
-            let own = moving.own_point(&(position + rotation * sphere.centre));
-            for &triangle in &self.triangles {
-                let corners = &moving.wall.triangles[triangle as usize];
-                let gap = (nearest_on_triangle(&own, corners) - own).norm() - sphere.radius;
-                nearest = nearest.min(gap);
-                if gap < skin {
-                    let place = (k, triangle);
-                    self.candidates.push(Candidate { place, gap });
+            // The body may pass a side before the next search. A triangle near two images is listed twice, and felt once.
+            for image in context.period.images(inside, f64::INFINITY) {
+                let own = moving.own_point(&(image + rotation * sphere.centre));
+                for &triangle in &self.triangles {
+                    let corners = &moving.wall.triangles[triangle as usize];
+                    let gap = (nearest_on_triangle(&own, corners) - own).norm() - sphere.radius;
+                    nearest = nearest.min(gap);
+                    if gap < skin {
+                        let place = (k, triangle);
+                        self.candidates.push(Candidate { place, gap });
+                    }
                 }
             }
         }

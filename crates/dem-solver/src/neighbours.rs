@@ -383,7 +383,11 @@ impl Neighbours {
             &templates[bodies.template[i]],
             &templates[bodies.template[j]],
         );
-        let position = bodies.rotation[i].tr_mul(&(bodies.position[j] - bodies.position[i]));
+        let position = bodies.rotation[i].tr_mul(
+            &context
+                .period
+                .nearest(bodies.position[j] - bodies.position[i]),
+        );
         let rotation = bodies.orientation[i].inverse() * bodies.orientation[j];
         let pose = self.poses[k];
         let left = pose.left(&position, &rotation, cutoffs.safety);

@@ -12,6 +12,7 @@ use crate::context::{Context, Cutoffs};
 use crate::lanes::{NUMBERS, keep, make_room};
 use crate::liquid::bridge_volume;
 use crate::neighbours::{CHUNK, Chunk, Due, Neighbours};
+use crate::periodic::Period;
 use crate::shared_mass::{Shares, Turned};
 use crate::sphere_contact::SphereContact;
 use crate::template::Template;
@@ -243,7 +244,9 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
         let law = &context.interactions[interaction];
         let volume = bridge_volume(law, context.liquid, [i, j]);
         let reach = law.reach(volume);
-        let between = bodies.position[j] - bodies.position[i];
+        let between = context
+            .period
+            .nearest(bodies.position[j] - bodies.position[i]);
         let single = [0, 1, 2].map(|axis| between[axis] as f32);
         let (ri, rj) = (&bodies.cells_to_metres[i], &bodies.cells_to_metres[j]);
         let Cutoffs {
@@ -262,7 +265,7 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
             neighbours.sleep(k, pair.travel(&bodies.travel) + gap);
             return;
         }
-        let frame = PairFrame::new(bodies, [i, j]);
+        let frame = PairFrame::new(bodies, [i, j], context.period);
         let near = self.near[..n_near].iter();
         let touching = near.filter_map(|&key| frame.sphere_pair(key, templates, 0.0));
         let shares = Shares::new(frame.turned(templates), touching.map(|pair| pair.touch()));
@@ -300,7 +303,7 @@ fn are_apart(between: &Vector3<f64>, sum: f64) -> bool {
 pub(crate) struct PairFrame<'a> {
     /// From the principal frames to the world.
     rotations: [&'a Matrix3<f64>; 2],
-    /// From the centre of i to the centre of j, m.
+    /// From the centre of i to the nearest image of the centre of j, m.
     difference: Vector3<f64>,
     /// Velocity of i minus that of j, m/s.
     velocity: Vector3<f64>,
@@ -311,10 +314,10 @@ pub(crate) struct PairFrame<'a> {
 impl<'a> PairFrame<'a> {
     /// Of two bodies.
     #[inline(always)]
-    pub(crate) fn new(bodies: &'a Bodies, [i, j]: [usize; 2]) -> Self {
+    pub(crate) fn new(bodies: &'a Bodies, [i, j]: [usize; 2], period: Period) -> Self {
         Self {
             rotations: [&bodies.rotation[i], &bodies.rotation[j]],
-            difference: bodies.position[j] - bodies.position[i],
+            difference: period.nearest(bodies.position[j] - bodies.position[i]),
             velocity: bodies.velocity[i] - bodies.velocity[j],
             spins: [bodies.spin[i], bodies.spin[j]],
         }

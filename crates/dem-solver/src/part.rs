@@ -119,22 +119,21 @@ impl Part {
         workspace: &mut Workspace,
     ) {
         let range = self.range.clone();
-        let (positions, travel) = (&bodies.position, &bodies.travel);
+        let travel = &bodies.travel;
         let partners = &mut workspace.partners;
         if context.spheres.is_empty() {
             let (pairs, previous) = (&mut self.neighbours, &mut workspace.previous);
             pairs.begin(range.start, previous);
             let found = |i: usize, with: &[u32]| pairs.add(i, with, travel, previous);
-            grid.for_each_body(level, range.clone(), positions, radii, partners, found);
+            grid.for_each_body(level, range.clone(), radii, partners, found);
             pairs.end();
-            let templates = context.templates;
-            self.walls.rebuild(range, bodies, templates, walls, margin);
+            self.walls.rebuild(range, bodies, walls, margin, context);
         } else {
             let (pairs, previous) = (&mut self.spheres, &mut workspace.previous_spheres);
             pairs.begin(range.start, context.interactions, previous);
             let known = (bodies.template.as_slice(), travel.as_slice());
             let found = |i: usize, with: &[u32]| pairs.add(i, with, known, context, previous);
-            grid.for_each_body(level, range.clone(), positions, radii, partners, found);
+            grid.for_each_body(level, range.clone(), radii, partners, found);
             pairs.end();
             let previous = &mut workspace.previous_at_walls;
             let near = &mut self.spheres_at_walls;

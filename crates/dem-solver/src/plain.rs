@@ -83,7 +83,7 @@ pub(crate) fn find_pairs(
     let [n, m] = templates.map(|t| t.spheres.len());
     let law = context.interaction(templates[0].material, templates[1].material);
     let volume = bridge_volume(law, context.liquid, [i, j]);
-    let frame = PairFrame::new(bodies, [i, j]);
+    let frame = PairFrame::new(bodies, [i, j], context.period);
     let key = |pair: usize| word(pair / m) << 16 | word(pair % m);
     let touching = (0..n * m).filter_map(|pair| frame.sphere_pair(key(pair), templates, 0.0));
     let shares = Shares::new(frame.turned(templates), touching.map(|pair| pair.touch()));
@@ -114,7 +114,7 @@ pub(crate) fn find_at_wall(
     let template = &context.templates[bodies.template[i]];
     let law = context.interaction(template.material, wall.material);
     let volume = bridge_volume(law, context.liquid, [i]);
-    let body = bodies.mover(i);
+    let body = context.period.at_walls(bodies.mover(i));
     let at_wall = |sphere: &OuterSphere| {
         let centre = body.position + bodies.rotation[i] * sphere.centre;
         sphere_at_wall(&body, sphere, &centre, wall, &wall.nearest(&centre))
@@ -157,7 +157,7 @@ fn mesh_loads(world: &World, i: usize, before: &History, next: &mut History, loa
             triangles.map(move |(triangle, _)| (sphere, triangle))
         });
         let mut touches = before.meshes.get(&(i, w)).cloned().unwrap_or_default();
-        let body = (&bodies.mover(i), template);
+        let body = (&context.period.at_walls(bodies.mover(i)), template);
         let all: Vec<_> = all.collect();
         let effect = find_contacts(
             &all,

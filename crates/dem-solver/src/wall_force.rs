@@ -8,7 +8,7 @@
 use crate::batch::Loads;
 use crate::bodies::Bodies;
 use crate::contact::{Memory, Mover, SphereWall};
-use crate::context::{Context, Cutoffs};
+use crate::context::Context;
 use crate::kept_contact::KeptContact;
 use crate::lanes::stored;
 use crate::liquid::bridge_volume;
@@ -70,17 +70,19 @@ impl WallNeighbours {
         &mut self,
         range: Range<usize>,
         bodies: &Bodies,
-        templates: &[Template],
         walls: &[Wall],
         margin: f64,
+        context: &Context<'_>,
     ) {
         std::mem::swap(&mut self.near, &mut self.old);
         let spare = &mut self.spare;
         let mut old = self.old.drain(..).peekable();
         for (wall, shape) in walls.iter().enumerate() {
             for body in range.clone() {
-                let reach = templates[bodies.template[body]].bounding_radius + margin;
-                if shape.distance(&bodies.position[body]) >= reach {
+                let template = &context.templates[bodies.template[body]];
+                let reach = template.bounding_radius + margin;
+                let position = context.period.inside(&bodies.position[body]);
+                if shape.distance(&position) >= reach {
                     continue;
                 }
                 while let Some(entry) = old.next_if(|n| n.place() < (wall, body)) {
@@ -121,7 +123,7 @@ impl WallNeighbours {
             let template = &context.templates[bodies.template[near.body]];
             let wall = &walls[near.wall];
             if travel > near.limit {
-                near.list_candidates(bodies, template, wall, context.cutoffs, touches);
+                near.list_candidates(bodies, wall, context, touches);
             }
             if travel <= near.wake {
                 continue;
@@ -130,7 +132,7 @@ impl WallNeighbours {
             let law = &context.interactions[interaction];
             let volume = bridge_volume(law, context.liquid, [near.body]);
             let body = Posed {
-                mover: bodies.mover(near.body),
+                mover: context.period.at_walls(bodies.mover(near.body)),
                 rotation: &bodies.rotation[near.body],
                 template,
             };
@@ -283,12 +285,14 @@ impl Near {
     fn list_candidates(
         &mut self,
         bodies: &Bodies,
-        template: &Template,
         wall: &Wall,
-        cutoffs: Cutoffs,
+        context: &Context<'_>,
         before: &mut Vec<SphereContact>,
     ) {
-        let (position, rotation) = (bodies.position[self.body], bodies.rotation[self.body]);
+        let cutoffs = context.cutoffs;
+        let template = &context.templates[bodies.template[self.body]];
+        let position = context.period.inside(&bodies.position[self.body]);
+        let rotation = bodies.rotation[self.body];
         let travel = bodies.travel[self.body];
         before.clear();
         before.extend(self.touches());

@@ -19,6 +19,7 @@ use crate::liquid::{Liquid, most_given};
 use crate::mesh_force::MeshWalls;
 use crate::mesh_wall::{MeshPose, MeshWall, Motion, Moving};
 use crate::part::{Part, find_loads, give_loads};
+use crate::periodic::Period;
 use crate::phases::{Clock, StepPhases};
 use crate::settings::Settings;
 use crate::spheres::sphere::Sphere;
@@ -52,6 +53,8 @@ pub struct World {
     spheres: Vec<Sphere>,
     walls: Vec<Wall>,
     settings: Settings,
+    /// Periodic sides.
+    period: Period,
     /// Distances of the sphere lists.
     cutoffs: Cutoffs,
     /// Time since the start, s.
@@ -132,6 +135,7 @@ impl World {
                 margin: settings.margin + reach,
                 ..settings
             },
+            period: Period::default(),
             cutoffs,
             time: 0.0,
             n_steps: 0,
@@ -207,6 +211,45 @@ impl World {
         };
         let parts_of_piece = n_bodies.div_ceil(pieces * most).max(1);
         self.parts = Part::cut(n_bodies, pieces * parts_of_piece);
+    }
+
+    /// The world with periodic sides at z = `low` and `high`, m: bodies pass through one and come in at the other. The z coordinate
+    /// of a body goes on beyond them; [`World::between_sides`] gives the image between them.
+    ///
+    /// Walls are at their places between the sides: one that comes near a side must go beyond it by [`World::reach_of_bodies`], so that a body that passes stays at it. For a new world, before its first step.
+    ///
+    /// # Errors
+    ///
+    /// Sides nearer than twice the largest body, and for bodies of several spheres twice the margin of the lists beside: two bodies would meet in
+    /// two images at once.
+    pub fn with_periodic_sides(mut self, low: f64, high: f64) -> Result<Self, Error> {
+        let radii = self.templates.iter().map(|t| t.bounding_radius);
+        let largest = radii.fold(0.0, f64::max);
+        let margin = if self.is_of_spheres() {
+            0.0
+        } else {
+            self.settings.margin
+        };
+        self.period = Period::between(low, high, 4.0 * largest + 2.0 * margin)?;
+        Ok(self)
+    }
+
+    /// How far walls must go beyond periodic sides: the largest bounding radius and the margin of the lists, m.
+    pub fn reach_of_bodies(&self) -> f64 {
+        let radii = self.templates.iter().map(|t| t.bounding_radius);
+        radii.fold(self.settings.margin, |reach, radius| {
+            reach.max(radius + self.settings.margin)
+        })
+    }
+
+    /// The image of a point (m) between the periodic sides; the point itself where there are none.
+    pub fn between_sides(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.period.inside(point)
+    }
+
+    /// Periodic sides.
+    pub(crate) fn period(&self) -> Period {
+        self.period
     }
 
     /// The world with its steps on `threads` threads, see [`World::set_threads`].
@@ -580,6 +623,7 @@ impl World {
             interactions: &self.interactions,
             n_materials: self.n_materials,
             cutoffs: self.cutoffs,
+            period: self.period,
             time_step: self.settings.time_step,
             liquid: self.liquid.shares(),
             spheres: Window::whole(&self.spheres),
@@ -621,7 +665,7 @@ impl World {
     fn search_pairs(&mut self) -> Result<(), Error> {
         self.check_finite()?;
         let (bodies, radii, margin) = (&self.bodies, &self.radii, self.settings.margin);
-        self.grid.sort(&bodies.position, radii, margin);
+        self.grid.sort(&bodies.position, radii, margin, self.period);
         if self.is_of_spheres() {
             self.bodies
                 .copy_to_spheres(&self.templates, &mut self.spheres);
@@ -649,7 +693,7 @@ impl World {
         // A bridge may pass from a triangle to one that is not listed: that must stay beyond its reach.
         let at_triangles = margin + f64::from(self.cutoffs.reach);
         self.mesh_walls
-            .rebuild(&self.bodies, &self.templates, at_triangles);
+            .rebuild(&self.bodies, &self.templates, at_triangles, self.period);
         self.bodies.travel.fill(0.0);
         self.bodies.shift.fill(0.0);
         Ok(())

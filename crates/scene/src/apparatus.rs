@@ -26,7 +26,7 @@ mod tilt;
 pub use box_collapse::BoxCollapse;
 pub use bulk_density::BulkDensity;
 pub use compression::Compression;
-pub(crate) use device::Device;
+pub(crate) use device::{Device, PeriodicSides};
 pub use direct_shear::DirectShear;
 pub use draw_down::DrawDown;
 pub use drop::Drop;

@@ -225,9 +225,11 @@ impl BondedSeeds {
             let arm = turn * -middle;
             let spin = mean(&world.spin[range.clone()]);
             frame.kind.push(kind);
-            frame
-                .position
-                .push(mean(&world.position[range.clone()]) + arm);
+            frame.position.push(
+                built
+                    .world
+                    .between_sides(&(mean(&world.position[range.clone()]) + arm)),
+            );
             frame.orientation.push(turn);
             frame
                 .velocity

@@ -6,6 +6,7 @@ use crate::factory::Factory;
 use crate::health::limits;
 use crate::interactions::interactions;
 use crate::obstacles::mesh_walls;
+use crate::periodic_sides;
 use crate::placement::{Room, place};
 use crate::surroundings::Surroundings;
 use crate::time_step::TimeSteps;
@@ -114,6 +115,10 @@ pub(crate) fn assemble(
     let starts = parts.as_ref().map_or(placements, |p| &p.placements);
     let step = time_steps.settling;
     let mut world = empty_drive(scene, &bodies, &names, templates, starts, step)?;
+    if let Some(sides) = scene.apparatus.device().periodic_sides() {
+        let closed = periodic_sides::between(world, &sides, scene, &meshes);
+        world = closed.map_err(|error| error.in_file(&scene.file))?;
+    }
     for mesh in &meshes {
         let about = mesh.motion.about;
         world.add_mesh_wall(MeshWall {

@@ -107,10 +107,20 @@ impl Factory {
         let [low, high] = apparatus.device().room();
         let low = Vector3::new(low.x, lowest_place(low.y, high.y), low.z);
         let reach = capsules.iter().map(Capsule::reach).fold(0.0, f64::max);
-        let mut placed: Vec<Placed> = (0..inside)
-            .filter(|&i| bodies.position[i].y > low.y - 2.0 * reach)
-            .map(|i| capsules[bodies.template[i]].at(bodies.position[i], &bodies.orientation[i]))
-            .collect();
+        let period = apparatus
+            .device()
+            .periodic_sides()
+            .map(|sides| sides.distance());
+        let positions = built.positions();
+        let mut placed: Vec<Placed> = Vec::new();
+        for i in (0..inside).filter(|&i| positions[i].y > low.y - 2.0 * reach) {
+            // A seed that sticks out of a periodic side takes room at the other.
+            let beyond = period.into_iter().flat_map(|period| [-period, period]);
+            for shift in std::iter::once(0.0).chain(beyond) {
+                let centre = positions[i] + Vector3::z() * shift;
+                placed.push(capsules[bodies.template[i]].at(centre, &bodies.orientation[i]));
+            }
+        }
         let obstacles: Vec<_> = built
             .meshes
             .iter()

@@ -45,6 +45,7 @@ mod obstacles;
 mod other_names;
 mod outline;
 mod parse;
+mod periodic_sides;
 mod phase_times;
 mod phases;
 mod picture;

@@ -3,6 +3,7 @@
 use crate::build::Built;
 use crate::{Error, Frame};
 use dem_solver::{Placement, Snapshot};
+use nalgebra::Vector3;
 
 /// Fewest bodies that are sorted. Smaller beds lie in the caches, whatever their order.
 pub const SORTED_FROM: usize = 4096;
@@ -71,12 +72,18 @@ impl Built {
         Frame {
             time,
             kind: column(&bodies.template, &places),
-            position: column(&bodies.position, &places),
+            position: column(&self.positions(), &places),
             orientation: column(&bodies.orientation, &places),
             velocity: column(&bodies.velocity, &places),
             spin: column(&bodies.spin, &places),
             walls: Vec::new(),
         }
+    }
+
+    /// Centres of all bodies, m; between the periodic sides if there are any.
+    pub(crate) fn positions(&self) -> Vec<Vector3<f64>> {
+        let positions = self.world.bodies().position.iter();
+        positions.map(|p| self.world.between_sides(p)).collect()
     }
 
     /// Puts a world that was just built into the order of one that was left.

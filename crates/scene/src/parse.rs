@@ -98,8 +98,12 @@ const ALTERNATIVES: [(&str, &[&str]); 3] = [
     ("seed", &["count", "total_mass", "fill_level"]),
 ];
 
-/// A switch of a drum likewise.
-const COVERS_AT_REST: &str = "apparatus.covers_at_rest";
+/// Switches of an apparatus likewise.
+const SWITCHES: [(&str, &str); 3] = [
+    ("drum", "apparatus.covers_at_rest"),
+    ("hopper", "apparatus.periodic"),
+    ("machine", "apparatus.periodic"),
+];
 
 /// Settings named in a message about a name that is none.
 const LIKE_NAMES: usize = 8;
@@ -313,10 +317,9 @@ pub(crate) fn left_out(table: &Table) -> Vec<(String, Value)> {
     let quantity = |path: &str| (path.to_owned(), Value::String(String::new()));
     let numbers = LEFT_OUT_NUMBERS.map(|p| (p.to_owned(), Value::Float(1.0)));
     let kind = setting_at(table, "apparatus.kind").and_then(Value::as_str);
-    let of_drum = (kind == Some("drum")).then(|| {
-        let switch = (COVERS_AT_REST.to_owned(), Value::Boolean(false));
-        LEFT_OUT_OF_A_DRUM.map(quantity).into_iter().chain([switch])
-    });
+    let of_drum = (kind == Some("drum")).then(|| LEFT_OUT_OF_A_DRUM.map(quantity));
+    let own = SWITCHES.iter().filter(|(of, _)| kind == Some(*of));
+    let switches = own.map(|(_, path)| ((*path).to_owned(), Value::Boolean(false)));
     let names = table.get("material").and_then(Value::as_table);
     let of_materials = names.into_iter().flat_map(Table::keys).flat_map(|name| {
         LEFT_OUT_OF_A_MATERIAL.map(|key| quantity(&format!("material.{name}.{key}")))
@@ -326,6 +329,7 @@ pub(crate) fn left_out(table: &Table) -> Vec<(String, Value)> {
         .flat_map(|k| left_out_of_a_seed().map(|(key, value)| (format!("seed.{k}.{key}"), value)));
     let all = LEFT_OUT_QUANTITIES.map(quantity).into_iter().chain(numbers);
     all.chain(of_drum.into_iter().flatten())
+        .chain(switches)
         .chain(of_pairs)
         .chain(of_materials)
         .chain(of_seeds)

@@ -56,6 +56,8 @@ pub struct Procedure {
     pub rest_energy: f64,
     /// Region in which seeds start: lower and upper corner, m.
     pub room: [Vector3<f64>; 2],
+    /// Whether the ends along z are periodic sides.
+    pub is_periodic: bool,
     /// Cylinder about the y axis in which seeds appear over time: radius, lower and upper end, m; `None` if all are there from the start.
     pub inlet: Option<[f64; 3]>,
 }
@@ -100,6 +102,7 @@ impl Procedure {
             filling: filling_times(scene, made.map_or(0.0, |factory| factory.duration())),
             rest_energy: rest_energy_of(scene, smallest),
             room: device.room(),
+            is_periodic: device.periodic_sides().is_some(),
             inlet,
         }))
     }

@@ -73,8 +73,12 @@ impl SurroundingsSettings {
             (_, Some(charge)) if !(0.0..=1000.0).contains(&charge) => {
                 bad("charge_nc", charge, "0 to 1000")
             }
-            (_, Some(charge)) if !matches!(apparatus, Apparatus::Drum(_)) => {
-                bad("charge_nc", charge, "absent: only a drum has walls for it")
+            (_, Some(charge)) if !matches!(apparatus, Apparatus::Drum(drum) if !drum.has_periodic_ends()) => {
+                bad(
+                    "charge_nc",
+                    charge,
+                    "absent: only a drum with covers has walls for it",
+                )
             }
             _ => Ok(()),
         }

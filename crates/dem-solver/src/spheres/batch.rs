@@ -10,6 +10,7 @@ use crate::contact::{Memory, SpherePair};
 use crate::context::Context;
 use crate::interaction::Interaction;
 use crate::liquid::bridge_volume;
+use crate::periodic::Period;
 use crate::spheres::pairs::SpherePairs;
 use crate::spheres::sphere::Sphere;
 use crate::transpose::{GROUP, Row, four_columns, transposed};
@@ -89,7 +90,7 @@ impl SphereBatch {
         if context.cutoffs.reach > 0.0 {
             self.find_bridges(n, &law, pairs, context.liquid);
         }
-        let touching = self.collect(simd, full, pairs, context.spheres);
+        let touching = self.collect(simd, full, pairs, context);
         let (input, output) = (&*self.input, &mut *self.output);
         let time_step = context.time_step;
         if law == law.smooth() {
@@ -148,8 +149,9 @@ impl SphereBatch {
         simd: S,
         full: usize,
         pairs: &SpherePairs,
-        spheres: Window<'_, Sphere>,
+        context: &Context<'_>,
     ) -> u64 {
+        let spheres = context.spheres;
         let mut touching = 0;
         let input = &mut *self.input;
         let zero = f64x8::splat(simd, 0.0);
@@ -173,6 +175,7 @@ impl SphereBatch {
                 slips[l] = pairs.slip[k].simd_into(simd);
             }
             let [x, y, z, a, u, v, w, b] = transposed(motions);
+            let z = context.period.nearest_of_eight(z);
             let square = x * x + y * y + z * z;
             let sum = a + b + f64x8::from_slice(simd, &input.reach[first..first + GROUP]);
             let touches = square.simd_lt(sum * sum) & square.simd_gt(zero);
@@ -202,7 +205,7 @@ impl SphereBatch {
 #[inline(never)]
 fn sleep(pairs: &mut SpherePairs, pair: usize, travel: Window<'_, f32>, context: &Context<'_>) {
     let bodies = pairs.ends[pair].bodies();
-    let gap = gap(bodies.map(|body| &context.spheres[body]));
+    let gap = gap(bodies.map(|body| &context.spheres[body]), context.period);
     let ways = travel[bodies[0]] + travel[bodies[1]];
     pairs.wake[pair] = ways + (gap - context.cutoffs.safety);
     pairs.remember(pair, Row::default(), Vector3::zeros());
@@ -213,8 +216,8 @@ fn sleep(pairs: &mut SpherePairs, pair: usize, travel: Window<'_, f32>, context:
     clippy::cast_possible_truncation,
     reason = "the way up to the touch is shortened by a safety distance"
 )]
-fn gap([a, b]: [&Sphere; 2]) -> f32 {
-    let distance = (b.position() - a.position()).norm();
+fn gap([a, b]: [&Sphere; 2], period: Period) -> f32 {
+    let distance = period.nearest(b.position() - a.position()).norm();
     (distance - a.radius() - b.radius()) as f32
 }
 

@@ -79,7 +79,8 @@ impl SphereWalls {
             for body in range.clone() {
                 let template = &context.templates[bodies.template[body]];
                 let reach = template.bounding_radius + margin;
-                if shape.distance(&bodies.position[body]) >= reach {
+                let position = context.period.inside(&bodies.position[body]);
+                if shape.distance(&position) >= reach {
                     continue;
                 }
                 let place = (stored(wall), stored(body));
@@ -146,7 +147,8 @@ impl SphereWalls {
             } else {
                 0.0
             };
-            let (mover, shape) = (sphere.mover(), sphere.shape());
+            let mover = context.period.at_walls(sphere.mover());
+            let shape = sphere.shape();
             let nearest = wall.nearest(&mover.position);
             let gap = nearest.distance - shape.radius;
             if gap >= reach {

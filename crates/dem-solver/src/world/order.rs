@@ -20,7 +20,9 @@ impl World {
     /// A body whose state is no longer finite.
     pub fn sort_bodies(&mut self) -> Result<Vec<usize>, Error> {
         self.check_finite()?;
-        let order = by_place(&self.bodies.position, &self.radii);
+        let positions = self.bodies.position.iter();
+        let places: Vec<_> = positions.map(|p| self.between_sides(p)).collect();
+        let order = by_place(&places, &self.radii);
         if !order.is_sorted() {
             self.reorder(&order)?;
         }

@@ -8,6 +8,7 @@ mod grazing;
 mod health;
 mod momentum;
 mod oracle;
+mod periodic;
 mod refusal;
 mod reproducibility;
 mod rows;

@@ -23,7 +23,7 @@ const HALF_WIDTH: f64 = 0.0075;
 const RADIUS: f64 = 0.028;
 
 /// A drum between two covers, `size` times 56 mm wide.
-fn drum(size: f64) -> Vec<Wall> {
+pub(crate) fn drum(size: f64) -> Vec<Wall> {
     let cover = |sign: f64| Wall {
         name: "cover".into(),
         shape: Shape::Plane {
@@ -46,7 +46,7 @@ fn drum(size: f64) -> Vec<Wall> {
 }
 
 /// A plate that stands into the bed.
-fn plate() -> Wall {
+pub(crate) fn plate() -> Wall {
     let half_edges = [Vector3::new(0.004, -0.003, 0.0), Vector3::z() * 0.006];
     let shape = Shape::Rectangle {
         centre: Vector3::new(0.004, -0.016, 0.0),
@@ -61,7 +61,7 @@ fn plate() -> Wall {
 }
 
 /// A paddle of triangles that lies across the drum, above the bed, and turns about the drum's axis.
-fn paddle() -> MeshWall {
+pub(crate) fn paddle() -> MeshWall {
     let half_edges = [Vector3::x() * 0.022, Vector3::z() * 0.006];
     let n = 4_u8;
     let corner = |i: u8, k: u8| {
@@ -83,7 +83,7 @@ fn paddle() -> MeshWall {
 }
 
 /// Bodies that have fallen into the drum, and still move a little.
-fn fallen(size: f64, walls: Vec<Wall>) -> Vec<Placement> {
+pub(crate) fn fallen(size: f64, walls: Vec<Wall>) -> Vec<Placement> {
     let halves = [0.0185, 0.0185, HALF_WIDTH - 0.2e-3].map(|half| half * size);
     let starts = scattered(
         halves,
@@ -105,7 +105,7 @@ fn fallen(size: f64, walls: Vec<Wall>) -> Vec<Placement> {
 }
 
 /// Settings for bodies of a size: times grow as its root, in the same gravity.
-fn settings_of(size: f64) -> Settings {
+pub(crate) fn settings_of(size: f64) -> Settings {
     let gravity = Vector3::new(0.0, -9.81, 0.0);
     Settings {
         time_step: 4e-5 * size.sqrt(),
@@ -126,7 +126,11 @@ fn world_of(size: f64, settings: Settings, walls: Vec<Wall>, starts: &[Placement
 
 /// Steps the world and compares loads and numbers of contacts at each step; returns the largest
 /// number of contacts of spheres seen, between bodies and with walls.
-fn hold_to_the_plain_loop(world: &mut World, history: &mut plain::History, n: usize) -> [usize; 2] {
+pub(crate) fn hold_to_the_plain_loop(
+    world: &mut World,
+    history: &mut plain::History,
+    n: usize,
+) -> [usize; 2] {
     let mut most = [0; 2];
     for _ in 0..n {
         let expected = plain::loads(world, history);

@@ -9,6 +9,30 @@ use input::quantity::AngularSpeed;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
+/// Two planes normal to the z axis through which seeds pass, as if the apparatus went on beyond them without end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PeriodicSides {
+    /// Setting that says how far they are from each other.
+    pub(crate) setting: &'static str,
+    /// Their z coordinates, m.
+    pub(crate) z: [f64; 2],
+}
+
+impl PeriodicSides {
+    /// At plus and minus half of a width, m.
+    pub(crate) fn about_zero(setting: &'static str, width: f64) -> Self {
+        Self {
+            setting,
+            z: [-0.5 * width, 0.5 * width],
+        }
+    }
+
+    /// Their distance, m.
+    pub(crate) fn distance(&self) -> f64 {
+        self.z[1] - self.z[0]
+    }
+}
+
 /// An apparatus. A device that holds a bed states [`Self::walls`] or [`Self::mesh_walls`], [`Self::room`], [`Self::has_room`]
 /// and [`Self::radius`], [`Self::width`] and [`Self::bed_volume`].
 pub(crate) trait Device {
@@ -35,6 +59,11 @@ pub(crate) trait Device {
     /// Walls of triangles with the motions of the running drive.
     fn mesh_walls(&self) -> Vec<NamedMesh> {
         Vec::new()
+    }
+
+    /// Periodic sides, normal to the z axis; `None` where walls end the apparatus.
+    fn periodic_sides(&self) -> Option<PeriodicSides> {
+        None
     }
 
     /// Region in which seeds may start: lower and upper corner, m.

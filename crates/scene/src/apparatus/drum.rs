@@ -1,6 +1,6 @@
 //! Rotating drum between two covers.
 
-use super::device::Device;
+use super::device::{Device, PeriodicSides};
 use super::heap::check_size;
 use super::{NamedMesh, NamedWall, cover};
 use crate::Error;
@@ -68,7 +68,7 @@ pub struct Drum {
     pub speed: AngularSpeed,
     /// Material of the shell.
     pub shell: String,
-    /// Material of the covers.
+    /// Material of the covers; `periodic` for a drum without covers whose ends are periodic sides, as if it had no end.
     pub cover: String,
     /// Whether the covers stand still while the shell turns; they turn with it where absent.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
@@ -113,7 +113,15 @@ pub struct Lifters {
     pub material: String,
 }
 
+/// What stands for the material of covers in a drum with periodic ends.
+const PERIODIC: &str = "periodic";
+
 impl Drum {
+    /// Whether its ends are periodic sides instead of covers.
+    pub fn has_periodic_ends(&self) -> bool {
+        self.cover == PERIODIC
+    }
+
     /// Share of the speed at a time after the start of the drive (s).
     ///
     /// # Formula
@@ -150,7 +158,10 @@ impl Drum {
         let Some(lifters) = &self.lifters else {
             return Vec::new();
         };
-        let (outer, half) = (0.5 * self.inner_diameter.si(), 0.5 * self.width.si());
+        let outer = 0.5 * self.inner_diameter.si();
+        // A seed that passes a periodic end stays at the plate.
+        let beyond = if self.has_periodic_ends() { 2.0 } else { 1.0 };
+        let half = 0.5 * beyond * self.width.si();
         let inner = outer - lifters.height.si();
         let plate = |k: usize| {
             let angle = std::f64::consts::TAU * k as f64 / lifters.count as f64;
@@ -166,8 +177,9 @@ impl Drum {
 impl Device for Drum {
     fn materials(&self) -> Vec<&str> {
         let lifters = self.lifters.iter().map(|l| l.material.as_str());
-        [self.shell.as_str(), &self.cover]
-            .into_iter()
+        let cover = (!self.has_periodic_ends()).then_some(self.cover.as_str());
+        std::iter::once(self.shell.as_str())
+            .chain(cover)
             .chain(lifters)
             .collect()
     }
@@ -188,6 +200,11 @@ impl Device for Drum {
                 tilt.to_string(),
                 "between -90 deg and 90 deg",
             );
+        }
+        if self.has_periodic_ends() && (self.tilt.is_some() || self.covers_at_rest) {
+            let requirement =
+                "the material of the covers, if the drum is tilted or its covers stand still";
+            return bad("apparatus.cover", self.cover.clone(), requirement);
         }
         // The speed is set anew every 0.02 s: five times in the shortest turn.
         if let Some(every) = self.reverse_every
@@ -245,8 +262,12 @@ impl Device for Drum {
             material: material.clone(),
             spin,
         };
+        let shell = wall("shell", Shape::Cylinder { radius }, &self.shell, spin);
+        if self.has_periodic_ends() {
+            return vec![shell];
+        }
         vec![
-            wall("shell", Shape::Cylinder { radius }, &self.shell, spin),
+            shell,
             wall("front cover", cover(half), &self.cover, of_covers),
             wall("back cover", cover(-half), &self.cover, of_covers),
         ]
@@ -263,6 +284,11 @@ impl Device for Drum {
             },
         });
         lifters.collect()
+    }
+
+    fn periodic_sides(&self) -> Option<PeriodicSides> {
+        let sides = PeriodicSides::about_zero("apparatus.width", self.width());
+        self.has_periodic_ends().then_some(sides)
     }
 
     fn room(&self) -> [Vector3<f64>; 2] {

@@ -1,6 +1,6 @@
 //! A hopper: seeds on a gate that is taken away.
 
-use super::device::Device;
+use super::device::{Device, PeriodicSides};
 use super::heap::check_size;
 use super::shapes::{at_rest, between_circles, level, within_prism};
 use super::storeys::check_passage;
@@ -34,6 +34,9 @@ pub struct Hopper {
     /// Distance of front and back along a slot; the hopper is round if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub depth: Option<Length>,
+    /// Whether front and back of a slot are periodic sides, as if it had no end.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub periodic: bool,
     /// Diameter of the opening, or width of the slot.
     pub outlet: Length,
     /// Angle of cone or wedge with the vertical; 90 deg, a flat bottom, if omitted.
@@ -67,6 +70,12 @@ impl Hopper {
         }
     }
 
+    /// Half of the length of the walls along a slot, m: beyond periodic sides, so that a seed that passes stays at them.
+    fn half_length_of_walls(&self) -> f64 {
+        let half = 0.5 * self.width();
+        if self.periodic { 2.0 * half } else { half }
+    }
+
     /// Height of the upper rim, m.
     fn rim(&self) -> f64 {
         self.lower_height() + self.height.si()
@@ -83,6 +92,10 @@ impl Device for Hopper {
         check_size("apparatus.height", self.height)?;
         if let Some(depth) = self.depth {
             check_size("apparatus.depth", depth)?;
+        }
+        if self.periodic && self.depth.is_none() {
+            let requirement = "beside apparatus.depth: the sides of a round hopper are no planes";
+            return Err(bad("apparatus.periodic", "true".into(), requirement));
         }
         if !(self.opening() > 0.0 && self.opening() < self.radius()) {
             let requirement = "above 0 and below apparatus.inner_diameter";
@@ -120,7 +133,7 @@ impl Device for Hopper {
         let Some(depth) = self.depth else {
             return Vec::new();
         };
-        let (half, radius) = (0.5 * depth.si(), self.radius());
+        let (half, radius) = (self.half_length_of_walls(), self.radius());
         let side = |sign: f64| Shape::Plane {
             point: Vector3::x() * (sign * radius),
             normal: Vector3::x() * -sign,
@@ -141,22 +154,23 @@ impl Device for Hopper {
             material: self.wall.clone(),
             spin: 0.0,
         };
-        vec![
-            wall("left side", side(-1.0)),
-            wall("right side", side(1.0)),
-            wall("front side", cover(half)),
-            wall("back side", cover(-half)),
-            wall("left bottom", bottom(-1.0)),
-            wall("right bottom", bottom(1.0)),
-        ]
+        let mut walls = vec![wall("left side", side(-1.0)), wall("right side", side(1.0))];
+        if !self.periodic {
+            let half = 0.5 * depth.si();
+            walls.push(wall("front side", cover(half)));
+            walls.push(wall("back side", cover(-half)));
+        }
+        walls.push(wall("left bottom", bottom(-1.0)));
+        walls.push(wall("right bottom", bottom(1.0)));
+        walls
     }
 
     fn mesh_walls(&self) -> Vec<NamedMesh> {
         let (opening, radius) = (self.opening(), self.radius());
         let mesh = |name, triangles| at_rest(name, &self.wall, triangles);
         match self.depth {
-            Some(depth) => {
-                let half = 0.5 * depth.si();
+            Some(_) => {
+                let half = self.half_length_of_walls();
                 vec![mesh("gate", level([-opening, opening], 0.0, [-half, half]))]
             }
             None => vec![
@@ -171,6 +185,11 @@ impl Device for Hopper {
                 ),
             ],
         }
+    }
+
+    fn periodic_sides(&self) -> Option<PeriodicSides> {
+        let sides = PeriodicSides::about_zero("apparatus.depth", self.width());
+        self.periodic.then_some(sides)
     }
 
     fn room(&self) -> [Vector3<f64>; 2] {
@@ -317,6 +336,7 @@ mod tests {
         let hopper = Hopper {
             inner_diameter: Length::parse("40 mm").unwrap(),
             depth: None,
+            periodic: false,
             outlet: Length::parse("10 mm").unwrap(),
             half_angle: Some(Angle::parse("45 deg").unwrap()),
             height: Length::parse("50 mm").unwrap(),

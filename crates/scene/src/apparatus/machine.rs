@@ -9,7 +9,7 @@ use probe::Probe;
 use wall::MachineWall;
 
 use super::compression::GREATEST_SPEED;
-use super::device::Device;
+use super::device::{Device, PeriodicSides};
 use super::{NamedMesh, NamedWall};
 use crate::check::bad;
 use crate::curve::{CurveKind, DISCHARGE, discharge};
@@ -30,6 +30,9 @@ const WHOLE: f64 = 0.02;
 pub struct Machine {
     /// Lower and upper corner of the box in which seeds begin; a fill level is a share of its volume.
     pub room: [[Length; 3]; 2],
+    /// Whether the lower and the upper z of the room are periodic sides, as if the machine went on beyond them without end.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub periodic: bool,
     /// Lower and upper corner of the box that the picture shows; the room if omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub view: Option<[[Length; 3]; 2]>,
@@ -154,6 +157,11 @@ impl Device for Machine {
             self.wall.iter().map(|w| w.name.as_str()),
         )?;
         self.wall.iter().try_for_each(MachineWall::check)?;
+        if self.periodic {
+            self.wall
+                .iter()
+                .try_for_each(MachineWall::check_beside_periodic_sides)?;
+        }
         if self.phase.is_empty() {
             let requirement =
                 "at least one [[apparatus.phase]]: a bed that only settles has none to read";
@@ -190,6 +198,14 @@ impl Device for Machine {
 
     fn mesh_walls(&self) -> Vec<NamedMesh> {
         self.wall.iter().filter_map(MachineWall::mesh).collect()
+    }
+
+    fn periodic_sides(&self) -> Option<PeriodicSides> {
+        let [low, high] = self.room();
+        self.periodic.then_some(PeriodicSides {
+            setting: "apparatus.room",
+            z: [low.z, high.z],
+        })
     }
 
     fn room(&self) -> [Vector3<f64>; 2] {

@@ -10,6 +10,7 @@ mod factory;
 mod limits;
 mod machine;
 mod numbers;
+mod periodic;
 mod phases;
 mod readings;
 mod reduced;

@@ -45,6 +45,12 @@ pub(crate) fn scale_friction(
     effect: &'static str,
 ) -> Result<(), Error> {
     let drum = drum_of(scene, effect)?;
+    if part == Part::Cover && drum.has_periodic_ends() {
+        return Err(Error::Setting {
+            name: effect,
+            reason: "the drum has periodic ends and no covers; leave this effect out for it".into(),
+        });
+    }
     let (place, word) = match part {
         Part::Shell => (&mut drum.shell, "shell"),
         Part::Cover => (&mut drum.cover, "cover"),

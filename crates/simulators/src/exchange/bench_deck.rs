@@ -68,6 +68,10 @@ impl<'a> BenchDeck<'a> {
                 OTHER_APPARATUS,
             ));
         };
+        if procedure.is_periodic {
+            let what = "periodic sides".to_owned();
+            return Err(not_there(what, tool, "remove apparatus.periodic"));
+        }
         check_outlets(&procedure, tool)?;
         let domain = domain(scene, bodies, &procedure);
         Ok(Self {

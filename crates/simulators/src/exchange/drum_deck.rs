@@ -137,6 +137,12 @@ pub(crate) fn supported<'a>(scene: &'a Scene, tool: &'static str) -> Result<&'a 
             "remove lifters and [[wall]] from the scene",
         );
     }
+    if drum.has_periodic_ends() {
+        return missing(
+            "a drum with periodic ends",
+            "name the material of the covers",
+        );
+    }
     if drum.covers_at_rest {
         return missing(
             "covers that stand still",

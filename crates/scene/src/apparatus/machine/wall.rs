@@ -211,6 +211,19 @@ impl MachineWall {
         sides[0].max(sides[1])
     }
 
+    /// Refuses a plane that seeds would pass.
+    pub(super) fn check_beside_periodic_sides(&self) -> Result<(), Error> {
+        match &self.shape {
+            WallShape::Plane { normal, .. } if normal[2] != 0.0 => {
+                let name = format!("apparatus.wall '{}': shape.plane.normal", self.name);
+                let requirement =
+                    "without a part along z: the machine ends in periodic sides there";
+                Err(bad(&name, format!("{normal:?}"), requirement))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Refuses a surface that is none.
     pub(super) fn check(&self) -> Result<(), Error> {
         let name = |key: &str| format!("apparatus.wall '{}': shape.{key}", self.name);

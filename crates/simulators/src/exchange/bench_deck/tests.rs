@@ -52,6 +52,15 @@ fn presets_have_decks_and_a_cup_is_refused() {
             "{message}"
         );
     }
+    let slice = [("seed.0.count", "20")];
+    for refused in decks(&scene("../anand-hopper/periodic", &slice)) {
+        let message = refused.unwrap_err().to_string();
+        assert!(message.contains("periodic sides"), "{message}");
+    }
+    for refused in decks(&scene("drum", &[("apparatus.cover", "periodic")])) {
+        let message = refused.unwrap_err().to_string();
+        assert!(message.contains("a drum with periodic ends"), "{message}");
+    }
     let [lammps, liggghts] = decks(&scene("machine", &[]));
     assert!(lammps.is_ok());
     let message = liggghts.unwrap_err().to_string();
