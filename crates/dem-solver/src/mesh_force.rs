@@ -374,17 +374,13 @@ fn felt(group: &[(u16, u32)], own: &Vector3<f64>, reach: f64, moving: &Moving) -
         }
     }
     hits.sort_by(|a, b| a.distance.total_cmp(&b.distance));
-    let mut kept: Vec<Hit> = Vec::new();
-    for hit in hits {
-        let shared = |other: &Hit| {
-            let there = nearest_on_triangle(&hit.point, &triangles[other.triangle]);
-            (there - hit.point).norm() < SAME_POINT * reach
-        };
-        if !kept.iter().any(shared) {
-            kept.push(hit);
-        }
-    }
-    kept
+    // A point on the edge of a nearer triangle is no nearest point of the surface, even if that triangle is felt through another one.
+    let is_on = |point: &Vector3<f64>, other: &Hit| {
+        let there = nearest_on_triangle(point, &triangles[other.triangle]);
+        (there - point).norm() < SAME_POINT * reach
+    };
+    let is_felt = |at: &usize| !hits[..*at].iter().any(|o| is_on(&hits[*at].point, o));
+    (0..hits.len()).filter(is_felt).map(|at| hits[at]).collect()
 }
 
 /// Geometry of a sphere of a body at a triangle, without liquid.
