@@ -16,7 +16,7 @@ case ${1:-} in
     frictions)
         calibrated fixtures/benches/study.toml out/frictions
         calibrated fixtures/benches/joint.toml out/frictions-joint ;;
-    benches) ignored scene benches --test suite && ignored scene machine --test suite ;;
+    benches) ignored scene benches --test suite && ignored scene machine --test suite && ignored scene periodic --test suite ;;
     camera-faults) ignored scene camera_faults --test suite ;;
     diagnosis-rates) ignored inference table_of_rates --test diagnosis ;;
     divergence) ignored simulators divergence --test scene_simulator ;;

@@ -1,6 +1,6 @@
 //! Periodic sides: two planes normal to the z axis, through which bodies pass and come in at the other side.
 //!
-//! The state of a body is not changed when it passes: its z coordinate goes on beyond the sides, so that no bit of a run depends on
+//! The state of a body is not changed when it passes: its z coordinate continues beyond the sides, so that no bit of a run depends on
 //! when lists are made. Two bodies meet in the image in which they are nearest, and walls see a body between the sides.
 
 #![expect(

@@ -214,7 +214,7 @@ impl World {
     }
 
     /// The world with periodic sides at z = `low` and `high`, m: bodies pass through one and come in at the other. The z coordinate
-    /// of a body goes on beyond them; [`World::between_sides`] gives the image between them.
+    /// of a body continues beyond them; [`World::between_sides`] gives the image between them.
     ///
     /// Walls are at their places between the sides: one that comes near a side must go beyond it by [`World::reach_of_bodies`], so that a body that passes stays at it. For a new world, before its first step.
     ///
@@ -242,7 +242,7 @@ impl World {
         })
     }
 
-    /// The image of a point (m) between the periodic sides; the point itself where there are none.
+    /// The image of a point (m) between the periodic sides; the point itself if there are none.
     pub fn between_sides(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.period.inside(point)
     }

@@ -113,7 +113,7 @@ pub struct Lifters {
     pub material: String,
 }
 
-/// What stands for the material of covers in a drum with periodic ends.
+/// What a scene names instead of the material of covers if the ends of the drum are periodic.
 const PERIODIC: &str = "periodic";
 
 impl Drum {

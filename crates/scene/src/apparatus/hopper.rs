@@ -94,7 +94,7 @@ impl Device for Hopper {
             check_size("apparatus.depth", depth)?;
         }
         if self.periodic && self.depth.is_none() {
-            let requirement = "beside apparatus.depth: the sides of a round hopper are no planes";
+            let requirement = "beside apparatus.depth: a round hopper has no plane sides";
             return Err(bad("apparatus.periodic", "true".into(), requirement));
         }
         if !(self.opening() > 0.0 && self.opening() < self.radius()) {
