@@ -8,7 +8,7 @@ import statistics
 import subprocess
 from concurrent.futures import ThreadPoolExecutor
 
-from runs import ROOT, folder_and_runs, mean_and_error, program, table
+from runs import folder_and_runs, mean_and_error, program, table
 
 SEEDS = """
 [[seed]]
@@ -84,7 +84,7 @@ def own(seedloop, path, seed, result):
     return {name: value["mean"] for name, value in read.items() if value["mean"] is not None}
 
 
-def by_deck(seedloop, reader, code, path, seed, folder):
+def by_deck(seedloop, code, path, seed, folder):
     """The means of a run of an exported deck; none of a deck that ends with an error."""
     words = [seedloop, "export", code.lower(), path, "--seed", str(seed), "--force", "--quiet", "--out", folder]
     subprocess.run(words, check=True, stdout=subprocess.DEVNULL)
@@ -94,10 +94,11 @@ def by_deck(seedloop, reader, code, path, seed, folder):
     if done.returncode != 0:
         print(f"{folder}: the deck ends with {done.returncode}", flush=True)
         return {}
-    read = json.loads(subprocess.run([reader, path, folder], check=True, capture_output=True, text=True).stdout)
+    command = [seedloop, "read-deck", path, folder, "--seed", str(seed), "--json", "--quiet"]
+    read = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)["observables"]
     for dump in folder.glob("*.dump"):
         dump.unlink()
-    return {name: statistics.fmean(values) for name, values in read.items() if values}
+    return {name: found["mean"] for name, found in read.items()}
 
 
 def separation(here, there):
@@ -113,9 +114,6 @@ def main():
     folder = folder.resolve()
     folder.mkdir(parents=True, exist_ok=True)
     seedloop = program("seedloop")
-    build = ["cargo", "build", "--release", "--locked", "--quiet", "-p", "simulators", "--example", "read_bench"]
-    subprocess.run(build, cwd=ROOT, check=True)
-    reader = seedloop.parent / "examples" / "read_bench"
 
     def result(task):
         bench, code, seed = task
@@ -126,7 +124,7 @@ def main():
             if code == "seedloop":
                 values = own(seedloop, path, seed, folder / f"{bench}-{seed}-run.json")
             else:
-                values = by_deck(seedloop, reader, code, path, seed, deck)
+                values = by_deck(seedloop, code, path, seed, deck)
             kept.write_text(json.dumps(values))
         return json.loads(kept.read_text())
 

@@ -14,6 +14,7 @@ mod levels;
 mod next_measurement;
 mod optimise;
 mod passport;
+mod read_deck;
 mod run;
 mod run_flags;
 mod running;
@@ -69,6 +70,8 @@ enum Command {
     BenchTest(bench_test::Arguments),
     /// Writes a scene as a deck for LAMMPS or LIGGGHTS, a table for EDEM, or its frames for `ParaView`
     Export(export::Arguments),
+    /// Reads what the exported deck of a bench left, and prints the observables as `seedloop simulate` does
+    ReadDeck(read_deck::Arguments),
     /// Writes parameters with their conventions and a self-test for other codes; or checks what another code gave
     Passport(passport::Arguments),
     /// Checks the solver against mechanics and prints the table
@@ -88,6 +91,7 @@ fn main() -> ExitCode {
         Command::Diagnose(arguments) => diagnose::run(arguments),
         Command::BenchTest(arguments) => bench_test::run(arguments),
         Command::Export(arguments) => export::run(arguments),
+        Command::ReadDeck(arguments) => read_deck::run(arguments),
         Command::Passport(arguments) => passport::run(arguments),
         Command::Verify(arguments) => verify::run(arguments),
     })

@@ -14,6 +14,7 @@ use campaign::run_store::{Lookup, Record, Store};
 use command_line::{Common, DONE, Header, NOT_MET, try_folder, write_new};
 use input::file::has_ending;
 use report::Report;
+pub(crate) use report::table_of;
 use scene::{Override, Progress, RunResult, Scene};
 use simulators::exchange::npz;
 use simulators::scene_simulator::{ReadScene, RunDetails};

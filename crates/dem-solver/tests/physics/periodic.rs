@@ -114,7 +114,7 @@ fn loads_are_those_of_the_plain_loop_between_periodic_sides() {
                 .collect::<Vec<_>>()
         };
         let before = images(&world);
-        let most = hold_to_the_plain_loop(&mut world, &mut plain::History::default(), 1200);
+        let most = hold_to_the_plain_loop(&mut world, &mut plain::History::default(), 2500);
         assert!(most[0] > 10, "{filling:?}: too few contacts: {most:?}");
         let after = images(&world);
         let passed = before.iter().zip(&after).filter(|(a, b)| a != b).count();

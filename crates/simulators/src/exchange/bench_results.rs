@@ -46,6 +46,9 @@ pub fn read(
             break;
         }
         let moments = moments(&path)?;
+        if number == 0 {
+            check_seeds(&deck, &moments, &path)?;
+        }
         let rows = table(&folder.join(format!("{stem}.txt")))?;
         let seen = PhaseSeen {
             deck: &deck,
@@ -64,6 +67,25 @@ pub fn read(
     }
     run.frame = frame(&deck, &last);
     Ok(observe_foreign(scene, bodies, run)?)
+}
+
+/// Refuses the files of another scene: of a bed that is there from the start, the first moment has all seeds.
+fn check_seeds(deck: &BenchDeck<'_>, moments: &[Moment], path: &Path) -> Result<(), Error> {
+    let bodies = moments.iter().take(1).flat_map(|moment| &moment.spheres);
+    let found = bodies
+        .map(|sphere| sphere.body)
+        .collect::<BTreeSet<_>>()
+        .len();
+    let stated = deck.scene.seed_count();
+    if deck.procedure.inlet.is_some() || found == stated {
+        return Ok(());
+    }
+    Err(Error::OtherKind {
+        file: path.display().to_string(),
+        what: format!(
+            "it begins with {found} seeds and the scene has {stated}: state the settings with which the deck was exported"
+        ),
+    })
 }
 
 /// The moments of a dump.

@@ -169,18 +169,7 @@ impl Report {
 
     /// The observables as a table, and how the run went.
     pub(super) fn text(&self) -> String {
-        let mut text = format!(
-            "{:<32}{:>12}{:>12}{:>6}  unit\n",
-            "observable", "mean", "sd", "n"
-        );
-        for (name, o) in &self.observables {
-            let mean = significant(o.mean, 6);
-            let sd = o.sd.map_or_else(|| "-".to_owned(), |sd| significant(sd, 4));
-            add(
-                &mut text,
-                format_args!("{name:<32}{mean:>12}{sd:>12}{:>6}  {}\n", o.n, o.unit),
-            );
-        }
+        let mut text = table_of(&self.observables);
         text.push('\n');
         if let Some(regime) = &self.regime {
             add(&mut text, format_args!("regime {regime}"));
@@ -286,6 +275,23 @@ fn settings_of(scene: &Scene) -> anyhow::Result<BTreeMap<String, Value>> {
 /// Appends to a text.
 fn add(text: &mut String, more: std::fmt::Arguments<'_>) {
     text.write_fmt(more).expect("a string takes all text");
+}
+
+/// Observables as a table, a line each.
+pub(crate) fn table_of(observables: &BTreeMap<String, Observation>) -> String {
+    let mut text = format!(
+        "{:<32}{:>12}{:>12}{:>6}  unit\n",
+        "observable", "mean", "sd", "n"
+    );
+    for (name, o) in observables {
+        let mean = significant(o.mean, 6);
+        let sd = o.sd.map_or_else(|| "-".to_owned(), |sd| significant(sd, 4));
+        add(
+            &mut text,
+            format_args!("{name:<32}{mean:>12}{sd:>12}{:>6}  {}\n", o.n, o.unit),
+        );
+    }
+    text
 }
 
 /// Where the picture and the places of the seeds show different beds.

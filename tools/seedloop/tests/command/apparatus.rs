@@ -377,6 +377,10 @@ fn benches_are_written_as_decks_or_refused_by_name() {
     assert_code(&export("lammps", "benches/hopper.toml", "l"), 0);
     assert_code(&export("liggghts", "benches/poured-heap.toml", "g"), 0);
     let at = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    // The deck has not run.
+    let scene = dev_support::fixture_files::fixture("benches/hopper.toml");
+    let words = ["read-deck", scene.to_str().unwrap(), "l"];
+    assert_error(&seedloop(folder.path(), &words), &["l/0-filling.dump"]);
     assert!(
         at("l/in.bench").contains("run it with -in") && at("l/bench.data").contains("900 atoms")
     );

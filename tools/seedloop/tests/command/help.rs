@@ -3,7 +3,7 @@
 use crate::{assert_code, assert_error, seedloop, text};
 use std::path::Path;
 
-const COMMANDS: [&str; 12] = [
+const COMMANDS: [&str; 13] = [
     "simulate",
     "design",
     "run",
@@ -14,6 +14,7 @@ const COMMANDS: [&str; 12] = [
     "diagnose",
     "bench-test",
     "export",
+    "read-deck",
     "passport",
     "verify",
 ];

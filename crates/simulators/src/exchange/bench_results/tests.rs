@@ -35,12 +35,21 @@ fn value(read: &[scene::ObservableValues], name: &str) -> Option<f64> {
         .copied()
 }
 
+/// A bench of so many seeds.
+fn bench(name: &str, count: &str) -> Scene {
+    let few = [Override {
+        name: "seed.0.count".into(),
+        value: count.into(),
+    }];
+    Scene::read(&fixture(&format!("benches/{name}.toml")), &few).unwrap()
+}
+
 /// Beads of 35.343 mg that fall at 1 m/s through the outlet, 15 mm below, one every 400 steps of the deck, the last at its own time, and two that
 /// stay are left behind. Before, gate and bottom carry 90 % of the weight of all. To rounding of the table; a row more or less at the
 /// ends of the steady part does not change an even flow.
 #[test]
 fn a_discharge_is_read_from_the_spheres_that_leave() {
-    let scene = Scene::read(&fixture("benches/hopper.toml"), &[]).unwrap();
+    let scene = bench("hopper", "42");
     let (_, bodies, step) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
@@ -97,11 +106,7 @@ fn a_discharge_is_read_from_the_spheres_that_leave() {
 /// `1 - 38.5/40`, loading modulus `5 kPa 40/0.5`, unloading modulus `8 kPa 40/0.3`. Each side carries half of the stress of the piston.
 #[test]
 fn a_press_is_read_from_the_table_of_walls() {
-    let few = [Override {
-        name: "seed.0.count".into(),
-        value: "20".into(),
-    }];
-    let scene = Scene::read(&fixture("benches/compression.toml"), &few).unwrap();
+    let scene = bench("compression", "1");
     let (_, bodies, step) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let phases = [
@@ -143,10 +148,10 @@ fn a_press_is_read_from_the_table_of_walls() {
     near("wall_stress_ratio", 0.5);
 }
 
-/// A folder without the filling, and a row that is cut off, are refused with their file.
+/// A folder without the filling, a bed of another number of seeds, and a row that is cut off, are refused with their file.
 #[test]
 fn what_is_not_there_or_broken_is_refused() {
-    let scene = Scene::read(&fixture("benches/hopper.toml"), &[]).unwrap();
+    let scene = bench("hopper", "2");
     let (_, bodies, step) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let message = || {
@@ -155,10 +160,17 @@ fn what_is_not_there_or_broken_is_refused() {
             .to_string()
     };
     assert!(message().contains("0-filling.dump"), "{}", message());
+    let filling = folder.path().join("0-filling.dump");
+    dump(&filling, 1.5e-3, &[(0, vec![(1, 0.01, 0.0)])]);
+    assert!(
+        message().contains("1 seeds and the scene has 2"),
+        "{}",
+        message()
+    );
     dump(
-        &folder.path().join("0-filling.dump"),
+        &filling,
         1.5e-3,
-        &[(0, vec![(1, 0.01, 0.0)])],
+        &[(0, vec![(1, 0.01, 0.0), (2, 0.01, 0.0)])],
     );
     fs::write(
         folder.path().join("0-filling.txt"),
