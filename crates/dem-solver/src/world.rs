@@ -216,7 +216,8 @@ impl World {
     /// The world with periodic sides at z = `low` and `high`, m: bodies pass through one and come in at the other. The z coordinate
     /// of a body continues beyond them; [`World::between_sides`] gives the image between them.
     ///
-    /// Walls are at their places between the sides: one that comes near a side must go beyond it by [`World::reach_of_bodies`], so that a body that passes stays at it. For a new world, before its first step.
+    /// Walls are at their places between the sides: one that comes near a side must go beyond it by [`World::reach_of_bodies`], so
+    /// that a body that passes stays at it. For a new world, before its first step.
     ///
     /// # Errors
     ///

@@ -102,8 +102,8 @@ fn open_parameters(
     let why = if let Some(why) = problem.cannot_be_met() {
         format!(": {why}")
     } else if !open.iter().any(responds) {
-        ": no fitted observable responds to them within their ranges by more than the runs scatter; does the simulator use \
-         them?"
+        ": no fitted observable responds to them within their ranges by more than the runs scatter: a larger bed or more \
+         repeats scatter less, unless the simulator does not use them"
             .into()
     } else {
         ", so that their values mean nothing: measure something else that depends on them, or fix them"

@@ -257,8 +257,7 @@ impl MeasuredCurve {
             return Err((
                 "scores",
                 format!(
-                    "is {}: it must be 1 to {most}, at most {} and fewer than the {rows} rows of the curve",
-                    entry.scores,
+                    "it must be 1 to {most}: at most {}, and fewer than the {rows} rows of the curve",
                     SCORES.len()
                 ),
             ));

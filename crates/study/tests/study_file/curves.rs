@@ -99,7 +99,7 @@ fn a_wrong_curve_is_reported() {
         (
             r#"{ file = "curve.csv", sd = 1, correlation_length = 1, scores = 9 }"#,
             "curve.scores",
-            "is 9: it must be 1 to 2",
+            "it must be 1 to 2",
         ),
         (
             r#"{ file = "curve.csv", sd = 1, correlation_length = 1, scores = 1, error = 1 }"#,
