@@ -221,17 +221,18 @@ impl World {
     ///
     /// # Errors
     ///
-    /// Sides nearer than twice the largest body, and for bodies of several spheres twice the margin of the lists beside: two bodies would meet in
-    /// two images at once.
+    /// Sides nearer than twice the largest body, with twice the reach of a bridge of liquid, or for bodies of several spheres twice the
+    /// margin of the lists, beside: two bodies would meet in two images at once.
     pub fn with_periodic_sides(mut self, low: f64, high: f64) -> Result<Self, Error> {
         let radii = self.templates.iter().map(|t| t.bounding_radius);
         let largest = radii.fold(0.0, f64::max);
-        let margin = if self.is_of_spheres() {
-            0.0
+        // A bridge of liquid holds two bodies beyond their touch; the margin contains its reach.
+        let apart = if self.is_of_spheres() {
+            f64::from(self.cutoffs.reach)
         } else {
             self.settings.margin
         };
-        self.period = Period::between(low, high, 4.0 * largest + 2.0 * margin)?;
+        self.period = Period::between(low, high, 4.0 * largest + 2.0 * apart)?;
         Ok(self)
     }
 

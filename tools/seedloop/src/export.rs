@@ -26,6 +26,18 @@ enum Format {
     Csv,
 }
 
+/// What is changed in the scene.
+#[derive(clap::Args, Debug)]
+pub(crate) struct Changes {
+    /// Changes a setting of the scene, as in `seedloop simulate`
+    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::simulate::setting)]
+    pub(crate) set: Vec<scene::Override>,
+
+    /// Sets the calibrated values of a parameter file, as in `seedloop simulate`
+    #[arg(long, value_name = "PARAMETERS.toml")]
+    pub(crate) set_file: Option<PathBuf>,
+}
+
 /// Writes a scene as a deck for LAMMPS or LIGGGHTS, as a table for EDEM, or the frames of a run for `ParaView` or a fluid solver
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Example:\n  seedloop export liggghts drum.toml --out deck")]
@@ -38,13 +50,8 @@ pub(crate) struct Arguments {
     #[arg(value_name = "SCENE.toml")]
     scene: PathBuf,
 
-    /// Changes a setting of the scene, as in `seedloop simulate`
-    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::simulate::setting)]
-    set: Vec<scene::Override>,
-
-    /// Sets the calibrated values of a parameter file, as in `seedloop simulate`
-    #[arg(long, value_name = "PARAMETERS.toml")]
-    set_file: Option<PathBuf>,
+    #[command(flatten)]
+    changes: Changes,
 
     /// Seed of the starting places and turns of the seeds
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -82,8 +89,8 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         scene, warnings, ..
     } = read_scene(
         &arguments.scene,
-        arguments.set_file.as_deref(),
-        &arguments.set,
+        arguments.changes.set_file.as_deref(),
+        &arguments.changes.set,
         common,
     )?;
     let library = FillingLibrary::default();
@@ -119,7 +126,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         common.print(arguments.out.join(&file.name).display())?;
     }
     let mut inputs = vec![arguments.scene.clone()];
-    inputs.extend(arguments.set_file.clone());
+    inputs.extend(arguments.changes.set_file.clone());
     inputs.extend(
         scene
             .shape_files()

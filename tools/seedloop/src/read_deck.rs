@@ -1,5 +1,6 @@
 //! `seedloop read-deck`: the observables of a bench that ran in LAMMPS or LIGGGHTS.
 
+use crate::export::Changes;
 use crate::simulate::{read_scene, table_of};
 use campaign::run_store::Observation;
 use command_line::{Common, DONE, Header};
@@ -22,13 +23,8 @@ pub(crate) struct Arguments {
     #[arg(value_name = "DECK")]
     deck: PathBuf,
 
-    /// Changes a setting of the scene, as in `seedloop export`
-    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::simulate::setting)]
-    set: Vec<scene::Override>,
-
-    /// Sets the calibrated values of a parameter file, as in `seedloop export`
-    #[arg(long, value_name = "PARAMETERS.toml")]
-    set_file: Option<PathBuf>,
+    #[command(flatten)]
+    changes: Changes,
 
     /// Seed with which the deck was exported
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -55,8 +51,9 @@ struct Report {
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
     common.try_outputs([])?;
-    let set_file = arguments.set_file.as_deref();
-    let ReadScene { scene, .. } = read_scene(&arguments.scene, set_file, &arguments.set, common)?;
+    let set_file = arguments.changes.set_file.as_deref();
+    let ReadScene { scene, .. } =
+        read_scene(&arguments.scene, set_file, &arguments.changes.set, common)?;
     let (_, bodies, time_step) =
         starting_frame(&scene, &FillingLibrary::default(), arguments.seed)?;
     let read = bench_results::read(&scene, &bodies, time_step, &arguments.deck)?;
@@ -67,7 +64,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let observables: BTreeMap<_, _> = observed.collect();
     common.print(table_of(&observables).trim_end())?;
     let mut inputs = vec![arguments.scene.clone()];
-    inputs.extend(arguments.set_file.clone());
+    inputs.extend(arguments.changes.set_file.clone());
     common.emit_json(&Report {
         header: Header::new(arguments.seed, inputs)?,
         observables,

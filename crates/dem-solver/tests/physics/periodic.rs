@@ -235,4 +235,19 @@ fn sides_that_are_too_near_are_refused() {
             "{length}: {refused:?}"
         );
     }
+    // Two diameters are too near for balls with bridges, which hold beyond the touch.
+    let wet = |length: f64| {
+        let starts = [Placement::at_rest(
+            0,
+            Vector3::zeros(),
+            UnitQuaternion::identity(),
+        )];
+        let laws = vec![interaction(&smooth()).with(&every_law())];
+        let balls = wetted(vec![ball(1e-3)]);
+        let none = settings(2e-6, Vector3::zeros());
+        let world = World::new(none, balls, laws, Vec::new(), &starts).expect("possible");
+        world.with_periodic_sides(0.0, length).map(|_| ())
+    };
+    assert!(matches!(wet(4e-3), Err(Error::PeriodicSides { .. })));
+    assert_eq!(wet(5e-3), Ok(()));
 }
