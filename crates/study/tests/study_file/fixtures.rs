@@ -31,8 +31,10 @@ fn the_studies_of_the_repository_read_as_they_are() {
         "water-beads/wet-1.toml",
         "water-beads/wet-3.toml",
         "water-beads/wet-3-rolling.toml",
-        "water-beads/wet-3-filling.toml",
         "water-beads/wet-5.toml",
+        "water-beads/wet-1-filling.toml",
+        "water-beads/wet-3-filling.toml",
+        "water-beads/wet-5-filling.toml",
     ] {
         Study::read(&fixture(name), None).unwrap_or_else(|error| panic!("{name}: {error}"));
     }
