@@ -65,8 +65,8 @@ MODELS = [
     Model("another packing", "drum", [*SIMILAR, *OTHER], group="rolling", most=1, points=1),
     Model("packed with a fifth fewer spheres", "drum", [*SIMILAR, *FEWER], group="rolling", most=1, points=1),
     Model("slice, rigid seeds", "drum", SLICE, "centre_of_mass_deg", "slice", times=3),
-    Model("slice, bonds a quarter as stiff", "bonded", [*SLICE, *SOFT], "centre_of_mass_deg", "slice", most=1, points=1),
-    Model("slice, bonded seeds", "bonded", SLICE, "centre_of_mass_deg", "slice", most=2, points=2),
+    Model("slice, bonds a quarter as stiff", "bonded", [*SLICE, *SOFT], "centre_of_mass_deg", "slice", most=2),
+    Model("slice, bonded seeds", "bonded", SLICE, "centre_of_mass_deg", "slice", most=1, points=1),
 ]
 
 

@@ -39,9 +39,9 @@ const TURN_OF_STEP: f64 = 0.0025;
 /// Contacts of a seed in a bed: as many as spheres of one size can touch one of them.
 const CONTACTS_AT_REST: f64 = 12.0;
 
-/// Contacts of a seed of several spheres whose dashpots damp at their most at a time: as many as hold a body from below. At twice the
-/// step that they allow a drum shows the same (docs/time-step.md).
-const DAMPING_AT_REST: f64 = 3.0;
+/// Contacts of a seed of several spheres whose dashpots damp at their most at a time. With twelve a drum shows the same and costs
+/// nearly twice as much (docs/time-step.md).
+const DAMPING_AT_REST: f64 = 6.0;
 
 /// Share of the time step at which viscous bridges become unstable. A dashpot of c between a mass m and the world is stable up to
 /// `2 m / c`; between bodies of one mass, with twelve of them on each, up to `m / (12 c)`, and less beside the springs of
@@ -244,7 +244,7 @@ impl AtRest {
     /// at twelve contacts. `k_t = 8 G* sqrt(R d)` is their stiffness along the surface at the [load at rest](RestLoad::of). X is 1,
     /// or 0.7 for seeds of one sphere with a rolling friction of type A (docs/time-step.md). z is 0 unless dashpots know the
     /// whole seed, a share s of it, and for seeds of one sphere in a bed under its own weight: n of `c_t = 2 sqrt(5/6) b sqrt(k_t m/2)`
-    /// give `z = n s c_t / (2 sqrt(12 k_t 2/7 m)) = s b n sqrt(5/6 7/4 / 12)`, n three for seeds of several spheres and twelve for one.
+    /// give `z = n s c_t / (2 sqrt(12 k_t 2/7 m)) = s b n sqrt(5/6 7/4 / 12)`, n six for seeds of several spheres and twelve for one.
     ///
     /// `dt = 0.0025 sqrt(P r I) / (12 T)`: the change of the spin by twelve torques T, each that which the attraction of a
     /// contact gives, is 0.0025 of the spin `sqrt(P r / I)` that the load P gives on a way of the bounding radius r; I is the least
