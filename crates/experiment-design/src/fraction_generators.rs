@@ -8,18 +8,11 @@ use crate::{Design, Error, Factor, Fraction, check_factors};
 /// Largest number of generators: m of them make 2^m - 1 defining words, which are all reported.
 const MOST_GENERATORS: usize = 15;
 
-/// The fraction in which further factors are products of earlier ones, such as `D=ABC` (`D=A:B:C`
-/// for longer symbols; a minus sign, `D=-ABC`, takes the other half). The factors without a
-/// generator are the basic ones, in their order.
-///
-/// # Errors
-/// [`Error::BadGenerator`]; [`Error::CountOutOfRange`] for more than 15 generators or ten other factors; those of [`crate::fractional_factorial`] for the centre runs.
-pub fn fraction_with_generators(
+/// The factor that each generator makes, its sign, and the factors of its product.
+fn read_generators(
     factors: &[Factor],
     generators: &[String],
-    n_centre: usize,
-) -> Result<Fraction, Error> {
-    check_factors(factors)?;
+) -> Result<Vec<(usize, f64, Vec<usize>)>, Error> {
     let mut made: Vec<(usize, f64, Vec<usize>)> = Vec::new();
     for generator in generators {
         let refuse = |reason| Error::BadGenerator {
@@ -42,6 +35,22 @@ pub fn fraction_with_generators(
         }
         made.push((place, sign, parts));
     }
+    Ok(made)
+}
+
+/// The fraction in which further factors are products of earlier ones, such as `D=ABC` (`D=A:B:C`
+/// for longer symbols; a minus sign, `D=-ABC`, takes the other half). The factors without a
+/// generator are the basic ones, in their order.
+///
+/// # Errors
+/// [`Error::BadGenerator`]; [`Error::CountOutOfRange`] for more than 15 generators or ten other factors; those of [`crate::fractional_factorial`] for the centre runs.
+pub fn fraction_with_generators(
+    factors: &[Factor],
+    generators: &[String],
+    n_centre: usize,
+) -> Result<Fraction, Error> {
+    check_factors(factors)?;
+    let made = read_generators(factors, generators)?;
     let basic: Vec<usize> = (0..factors.len())
         .filter(|j| made.iter().all(|(place, _, _)| place != j))
         .collect();

@@ -45,6 +45,10 @@ const NEXT: usize = 6;
 ///
 /// An invalid problem, runs too few for any surface, a campaign
 /// that was stopped. That the measurements are out of reach or contradict each other is a result and no error.
+#[allow(
+    clippy::too_many_lines,
+    reason = "the stages follow each other, and the result lists what each gave"
+)]
 pub fn calibrate(
     campaign: &Campaign<'_>,
     simulator: &dyn Simulator,

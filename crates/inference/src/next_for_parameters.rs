@@ -111,13 +111,11 @@ pub(crate) fn next_for_parameters(
         return Ok(None);
     }
     let first = runner.problem.models.len();
-    let own = Runner {
-        asked: Asked {
-            problem: &problem,
-            ..runner.asked
-        },
-        ..*runner
+    let asked = Asked {
+        problem: &problem,
+        ..runner.asked
     };
+    let own = Runner { asked, ..*runner };
     let stations: Vec<_> = open.directions.iter().map(|d| d.stations.clone()).collect();
     let list = candidate_runs(own.asked, first, &stations);
     let now = open.squared(&estimate.uncertainty.covariance);
@@ -128,8 +126,8 @@ pub(crate) fn next_for_parameters(
         left_out: BTreeMap::new(),
     };
     if let Some(reason) = beyond_budget(runner.asked, spent, list.len()) {
-        let names = stated(runner.problem).map(|c| (c.model.name.clone(), reason.clone()));
-        next.left_out = names.collect();
+        let named = stated(runner.problem).map(|c| (c.model.name.clone(), reason.clone()));
+        next.left_out.extend(named);
         return Ok(Some(next));
     }
     let mut runs = own.run(&list)?;
@@ -138,14 +136,13 @@ pub(crate) fn next_for_parameters(
         let samples = runs.remove(&model).unwrap_or_default();
         let regime = usual_regime(&samples.done);
         let (usual, _) = of_regime(&samples.done, &regime);
-        let added: Option<Vec<f64>> = open
-            .directions
-            .iter()
+        let each = open.directions.iter();
+        let added: Option<Vec<f64>> = each
             .map(|direction| added_square(candidate, direction, &usual))
             .collect();
         let Some(added) = added else {
-            let name = candidate.model.name.clone();
-            next.left_out.insert(name, failure(&samples));
+            let left_out = (candidate.model.name.clone(), failure(&samples));
+            next.left_out.extend([left_out]);
             continue;
         };
         let squares: Vec<f64> = now.iter().zip(&added).map(|(n, a)| n + a).collect();

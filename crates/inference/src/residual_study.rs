@@ -211,6 +211,22 @@ struct StudyOfRuns {
     runs_may_change_it: bool,
 }
 
+/// The declared parameters fitted to the used conditions, and the runs at the kept ones where the fit has ended.
+fn fitted(
+    worker: &Worker<'_>,
+    stated: &ResidualPlan,
+    linear: Linearisation,
+    runs_at_kept: usize,
+) -> Result<(Linearisation, Visited), Error> {
+    let at_start = stated.with_errors_at(&linear.nominal);
+    let fits = Fits::new(worker, &at_start, runs_at_kept);
+    let (mut fit, visited) = fits.declared(&linear)?;
+    let kept = fits.run(&fit.setting, fit.block, At::Kept)?;
+    let linear = linear.with_points(&visited).with_scatter(&kept);
+    fit.means = fit.means.with_kept(kept);
+    Ok((linear, fit))
+}
+
 /// The study with so many runs of each mean at the kept conditions.
 fn study_of_all(
     worker: &Worker<'_>,
@@ -220,38 +236,21 @@ fn study_of_all(
     let (linear, left_out) = Linearisation::run(worker, plan)?;
     let mut stated = plan.clone();
     stated.effects.retain(|e| !left_out.contains_key(&e.name));
-    let at_start = stated.with_errors_at(&linear.nominal);
-    let fits = Fits {
-        worker,
-        plan: &at_start,
-        runs_at_kept,
-    };
-    let (mut fit, visited) = fits.declared(&linear)?;
-    // The kept conditions are run once, where the fit has ended.
-    let kept = fits.run(&fit.setting, fit.block, At::Kept)?;
-    let linear = linear.with_points(&visited).with_scatter(&kept);
-    fit.means = fit.means.with_kept(kept);
+    let (linear, fit) = fitted(worker, &stated, linear, runs_at_kept)?;
     let plan = &stated.with_errors_at(&fit.means);
-    let fits = Fits {
-        worker,
-        plan,
-        runs_at_kept,
-    };
+    let fits = Fits::new(worker, plan, runs_at_kept);
     let Diagnosed {
         linear,
         mut file,
-        diagnosis,
+        mut diagnosis,
         mut remeasured,
     } = remeasured_and_diagnosed(&fits, linear, &fit)?;
     // At the conditions of the fit an unknown effect may do as well; what the kept ones say is asked then.
     let by_kept = !diagnosis.proposal.is_empty() && !plan.rows(At::Kept).is_empty();
-    let diagnosis = if by_kept {
-        diagnosis.with_proposal_named()
-    } else {
-        diagnosis
-    };
-    let at_fit = &fit.means;
-    let errors_before = assemble::errors(plan, &linear, at_fit)?;
+    if by_kept {
+        diagnosis = diagnosis.with_proposal_named();
+    }
+    let errors_before = assemble::errors(plan, &linear, &fit.means)?;
     let Decided {
         mut diagnosis,
         added,
@@ -275,15 +274,12 @@ fn study_of_all(
         diagnosis = diagnosis.with_next_measurement(&Problem::try_from(file.clone())?)?;
     }
     let (after, rivals) = after_and_rivals(&diagnosis, added);
-    let pooled = linear.pooled_covariance();
-    let sds = (0..pooled.len()).map(|k| pooled[k][k].sqrt());
-    let names = plan.observables.iter().cloned();
     let study = ResidualStudy {
         plan: plan.clone(),
         left_out,
         left_out_conditions: BTreeMap::new(),
         noise_dof: linear.least_dof(),
-        run_sd: names.zip(sds).collect(),
+        run_sd: linear.scatter_of_runs(plan),
         fitted: fit.setting.by_name(plan),
         simulated_before: fit.means.values,
         errors_before,

@@ -42,34 +42,30 @@ pub(crate) fn solution_set(
 ) -> Result<SolutionSet, Error> {
     let best = best_of(minima)?;
     let tuned = fit.n_tuned();
-    let n = fit.free[..tuned]
-        .iter()
-        .filter(|free| **free)
-        .count()
-        .max(1);
+    let free = fit.free[..tuned].iter().filter(|free| **free);
+    let n = free.count().max(1);
     let rise = chi_squared_quantile(0.05, n as f64).ok_or(Error::Search {
         what: "the set of solutions",
         reason: format!("chi squared has no quantile for {n} degrees of freedom"),
     })?;
     let limit = best.misfit + rise;
     let separate = separate(fit, minima, whitening, limit);
+    let end = |j: usize, side: f64| {
+        let ends = separate.iter().map(|minimum| {
+            let end = crossing(fit, minimum, whitening, (j, side), FIRST_LOOK, limit);
+            side * end.unwrap_or(side)
+        });
+        side * ends.fold(-1.0, f64::max)
+    };
     // Coded ends; what is not searched stays in the middle.
-    let ends: Vec<[f64; 2]> = (0..tuned)
-        .map(|j| {
-            let end = |side: f64| {
-                let ends = separate.iter().map(|minimum| {
-                    let end = crossing(fit, minimum, whitening, (j, side), FIRST_LOOK, limit);
-                    side * end.unwrap_or(side)
-                });
-                side * ends.fold(-1.0, f64::max)
-            };
-            if fit.free[j] {
-                [-1.0, 1.0].map(end)
-            } else {
-                [0.0; 2]
-            }
-        })
-        .collect();
+    let ends = |j: usize| {
+        if fit.free[j] {
+            [-1.0, 1.0].map(|side| end(j, side))
+        } else {
+            [0.0; 2]
+        }
+    };
+    let ends: Vec<[f64; 2]> = (0..tuned).map(ends).collect();
     // A narrow set would be met by few points of the whole box.
     let mut stream = Stream::new(seed, "solution set");
     let drawn = (0..DRAWN).map(|_| {

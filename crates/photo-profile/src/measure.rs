@@ -224,23 +224,14 @@ impl Disc {
 }
 
 /// Measures the surface in the disc of a drum.
-// Long because each of its refusals needs the boundary and the line found before it.
 fn read_surface_of(
     picture: &PhotoPixels,
     disc: &Disc,
     found: &FoundDrum,
     settings: &Settings,
 ) -> Result<DrumReading, Unfit> {
-    let drum = found.circle;
-    let Disc {
-        view,
-        bed,
-        field,
-        plain,
-        level,
-        circle,
-    } = disc;
-    let level = *level;
+    let (drum, level) = (found.circle, disc.level);
+    let (view, bed, field, circle) = (&disc.view, &disc.bed, &disc.field, &disc.circle);
     let mut points =
         free_surface(field, level, circle, REACH).map_err(|e| Unfit::from(Refusal::Surface(e)))?;
     // What was put into a hidden place reaches as far as the smoothing.
@@ -259,17 +250,21 @@ fn read_surface_of(
     let agreement = agreement(view, bed, &points, &surface);
     agreement.check().map_err(unfit)?;
     surface.angle = widened(
-        [field, plain],
+        [field, &disc.plain],
         level,
         &points,
         &surface,
         (circle, REACH),
         found.rim.as_ref(),
     );
-    let with_roll = |error: f64| error.hypot(settings.camera_roll_error);
-    surface.angle.standard_error = with_roll(surface.angle.standard_error);
-    surface.angle.mid_standard_error = with_roll(surface.angle.mid_standard_error);
-    surface.angle.chord_standard_error = with_roll(surface.angle.chord_standard_error);
+    let angle = &mut surface.angle;
+    for error in [
+        &mut angle.standard_error,
+        &mut angle.mid_standard_error,
+        &mut angle.chord_standard_error,
+    ] {
+        *error = error.hypot(settings.camera_roll_error);
+    }
     let error = surface.angle.standard_error;
     if surface.roughness > MOST_ROUGHNESS * drum.r || error > settings.max_angle_error {
         return Err(unfit(Refusal::TooRough {
@@ -286,15 +281,14 @@ fn read_surface_of(
         fill_level: field.share_above(level, circle, REACH),
     };
     let result = reading(view, drum, &points, &surface, &trust);
-    if let Some(rim) = &found.rim
-        && rim.hides_oddly(result.chord_ends)
-    {
-        return Err(unfit(Refusal::BrokenRim {
+    let odd = found.rim.as_ref();
+    match odd.filter(|rim| rim.hides_oddly(result.chord_ends)) {
+        Some(rim) => Err(unfit(Refusal::BrokenRim {
             shown: rim.shown,
             elsewhere: rim.elsewhere,
-        }));
+        })),
+        None => Ok(result),
     }
-    Ok(result)
 }
 
 /// A boundary that is not measured.

@@ -219,6 +219,7 @@ pub fn fit_weighted(
 }
 
 /// Computes everything that follows from the solved least-squares problem.
+#[allow(clippy::too_many_lines, reason = "each field of the fit has its line")]
 fn assemble(
     factors: &[Factor],
     model: &Model,

@@ -51,60 +51,38 @@ impl Scene {
     /// Finds constants of the model out of range.
     fn check_model(&self, found: &mut Vec<Error>) {
         let model = &self.model;
-        let mut require = |holds: bool, name: &str, value: String, requirement: &str| {
-            if !holds {
-                found.push(bad(name, value, requirement));
-            }
-        };
-        let bond = model.bond_number;
-        let holds = (0.0..=100.0).contains(&bond);
-        require(holds, "model.bond_number", bond.to_string(), "0 to 100");
+        // With less gravity nothing falls in the time of a run.
+        let mut numbers = vec![
+            ("bond_number", model.bond_number, [0.0, 100.0]),
+            ("gravity_m_s2", model.gravity_m_s2, [1e-3, 1000.0]),
+        ];
         if let Some(liquid) = &model.liquid {
-            let content = liquid.content;
-            let holds = (0.0..=0.2).contains(&content);
-            require(
-                holds,
-                "model.liquid.content",
-                content.to_string(),
-                "0 to 0.2",
-            );
             let tension = liquid.surface_tension_n_m;
-            let (holds, name) = (
-                (0.0..=1.0).contains(&tension),
-                "model.liquid.surface_tension_n_m",
-            );
-            require(holds, name, tension.to_string(), "0 to 1");
-            let angle = liquid.contact_angle;
-            let holds = (0.0..=std::f64::consts::FRAC_PI_2).contains(&angle.si());
-            require(
-                holds,
-                "model.liquid.contact_angle",
-                angle.to_string(),
-                "0 to 90 deg",
-            );
-            let viscosity = liquid.viscosity_pa_s;
-            let (holds, name) = (
-                (0.0..=1000.0).contains(&viscosity),
-                "model.liquid.viscosity_pa_s",
-            );
-            require(holds, name, viscosity.to_string(), "0 to 1000");
-            let roughness = liquid.roughness;
-            let (holds, name) = (
-                (1e-9..=1e-3).contains(&roughness.si()),
-                "model.liquid.roughness",
-            );
-            require(holds, name, roughness.to_string(), "1 nm to 1 mm");
+            numbers.extend([
+                ("liquid.content", liquid.content, [0.0, 0.2]),
+                ("liquid.surface_tension_n_m", tension, [0.0, 1.0]),
+                (
+                    "liquid.viscosity_pa_s",
+                    liquid.viscosity_pa_s,
+                    [0.0, 1000.0],
+                ),
+            ]);
+            let (angle, roughness) = (liquid.contact_angle, liquid.roughness);
+            if !(0.0..=std::f64::consts::FRAC_PI_2).contains(&angle.si()) {
+                let name = "model.liquid.contact_angle";
+                found.push(bad(name, angle.to_string(), "0 to 90 deg"));
+            }
+            if !(1e-9..=1e-3).contains(&roughness.si()) {
+                let name = "model.liquid.roughness";
+                found.push(bad(name, roughness.to_string(), "1 nm to 1 mm"));
+            }
         }
-        let gravity = model.gravity_m_s2;
-        // Lower, and nothing falls in the time of a run.
-        let holds = (1e-3..=1000.0).contains(&gravity);
-        let requirement = "0.001 to 1000";
-        require(
-            holds,
-            "model.gravity_m_s2",
-            gravity.to_string(),
-            requirement,
-        );
+        for (name, value, [low, high]) in numbers {
+            if !(low..=high).contains(&value) {
+                let (name, range) = (format!("model.{name}"), format!("{low} to {high}"));
+                found.push(bad(&name, value.to_string(), &range));
+            }
+        }
         if let Some(bonds) = &model.bonds {
             if let Err(source) = bonds.law() {
                 found.push(Error::Text {
@@ -439,21 +417,21 @@ impl Scene {
             }
         }
         for pair in self.contact.keys() {
-            let turned = pair
-                .split_once('-')
-                .map(|(a, b)| (a != b, format!("{b}-{a}")));
-            if let Some((true, turned)) = turned
-                && *pair < turned
-                && self.contact.contains_key(&turned)
-            {
+            let Some((a, b)) = pair.split_once('-') else {
+                continue;
+            };
+            let turned = format!("{b}-{a}");
+            if *pair < turned && self.contact.contains_key(&turned) {
                 let requirement = "stated once, in either order of the names";
-                found.push(bad(
-                    &format!("contact '{pair}'"),
-                    format!("also '{turned}'"),
-                    requirement,
-                ));
+                let (name, value) = (format!("contact '{pair}'"), format!("also '{turned}'"));
+                found.push(bad(&name, value, requirement));
             }
         }
+        self.check_names_of_walls(found);
+    }
+
+    /// Finds walls of one name.
+    fn check_names_of_walls(&self, found: &mut Vec<Error>) {
         let device = self.apparatus.device();
         let planes = device.walls().into_iter().map(|wall| wall.name);
         let meshes = device.mesh_walls().into_iter().map(|wall| wall.name);

@@ -87,7 +87,7 @@ impl Factory {
         built: &Built,
         (gone, interval): (usize, f64),
     ) -> Vec<Placement> {
-        let (bodies, inside) = (built.world.bodies(), built.world.bodies().len());
+        let inside = built.world.bodies().len();
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -106,26 +106,9 @@ impl Factory {
             .collect();
         let [low, high] = apparatus.device().room();
         let low = Vector3::new(low.x, lowest_place(low.y, high.y), low.z);
-        let reach = capsules.iter().map(Capsule::reach).fold(0.0, f64::max);
-        let period = apparatus
-            .device()
-            .periodic_sides()
-            .map(|sides| sides.distance());
-        let positions = built.positions();
-        let mut placed: Vec<Placed> = Vec::new();
-        for i in (0..inside).filter(|&i| positions[i].y > low.y - 2.0 * reach) {
-            // A seed that sticks out of a periodic side takes room at the other.
-            let beyond = period.into_iter().flat_map(|period| [-period, period]);
-            for shift in std::iter::once(0.0).chain(beyond) {
-                let centre = positions[i] + Vector3::z() * shift;
-                placed.push(capsules[bodies.template[i]].at(centre, &bodies.orientation[i]));
-            }
-        }
-        let obstacles: Vec<_> = built
-            .meshes
-            .iter()
-            .flat_map(|m| m.triangles.clone())
-            .collect();
+        let mut placed = placed_above(low.y, apparatus, built, &capsules);
+        let obstacles = built.meshes.iter().flat_map(|m| m.triangles.clone());
+        let obstacles: Vec<_> = obstacles.collect();
         let room = Room {
             apparatus,
             obstacles: &obstacles,
@@ -153,4 +136,27 @@ impl Factory {
         }
         made
     }
+}
+
+/// The seeds that reach above a height (m), as capsules.
+fn placed_above(
+    low: f64,
+    apparatus: &Apparatus,
+    built: &Built,
+    capsules: &[Capsule],
+) -> Vec<Placed> {
+    let (bodies, positions) = (built.world.bodies(), built.positions());
+    let reach = capsules.iter().map(Capsule::reach).fold(0.0, f64::max);
+    let sides = apparatus.device().periodic_sides();
+    let period = sides.map(|sides| sides.distance());
+    let mut placed = Vec::new();
+    for i in (0..bodies.len()).filter(|&i| positions[i].y > low - 2.0 * reach) {
+        // A seed that sticks out of a periodic side takes room at the other.
+        let beyond = period.into_iter().flat_map(|period| [-period, period]);
+        for shift in std::iter::once(0.0).chain(beyond) {
+            let centre = positions[i] + Vector3::z() * shift;
+            placed.push(capsules[bodies.template[i]].at(centre, &bodies.orientation[i]));
+        }
+    }
+    placed
 }

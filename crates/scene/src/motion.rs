@@ -313,6 +313,17 @@ pub(crate) struct Rotation {
     pub(crate) start_up_s: f64,
 }
 
+/// Values of the series from one frame to the next.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a small ratio"
+)]
+fn values_in_a_frame(scene: &Scene) -> usize {
+    let ratio = scene.protocol.frame_interval.si() / SERIES_INTERVAL;
+    ratio.round().max(1.0) as usize
+}
+
 /// Turns the drive until the bed is steady and the wanted number of frames lies behind the start-up, or the limit is
 /// reached; starts it where it does not turn yet. All frames behind the start-up are kept.
 pub(crate) fn rotate(
@@ -321,14 +332,7 @@ pub(crate) fn rotate(
 ) -> Result<Rotation, Error> {
     let scene = running.scene;
     let protocol = &scene.protocol;
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a small ratio"
-    )]
-    let every = (protocol.frame_interval.si() / SERIES_INTERVAL)
-        .round()
-        .max(1.0) as usize;
+    let every = values_in_a_frame(scene);
     let start = if let Some(since) = running.drive_since {
         since
     } else {
@@ -353,10 +357,8 @@ pub(crate) fn rotate(
             frames,
             ..
         } = running;
-        let share = scene
-            .apparatus
-            .device()
-            .share_of_speed(built.world.time() - start);
+        let device = scene.apparatus.device();
+        let share = device.share_of_speed(built.world.time() - start);
         if let Some(share) = share {
             set_share_of_speed(scene, built, share)?;
         }

@@ -205,47 +205,35 @@ pub fn run_on(
     phases.start_up_s = start_up_s;
     phases.measuring_s = watch.lap() - start_up_s;
     let built = running.built;
-    let settling_time_step = built.time_steps.settling;
-    let Built {
-        world,
-        bodies,
-        bonds,
-        ..
-    } = built;
-    let readings = readings_of(scene, &bodies, &frames)?;
-    let filling_angles = filling_angles(scene, &bodies, &frames)?;
+    let bodies = &built.bodies;
+    let readings = readings_of(scene, bodies, &frames)?;
+    let filling_angles = filling_angles(scene, bodies, &frames)?;
     phases.reading_s = watch.lap();
     let steady = &series[state.cut..];
     let evidence = evidence(scene, steady, &readings);
     let motion = BedMotion::of(&evidence);
-    let mut observables = bed_observables(scene, &bodies, &frames, steady);
+    let mut observables = bed_observables(scene, bodies, &frames, steady);
     observables.extend(motion_observables(&evidence));
-    observables.extend(filling_angle_by_position(scene, &bodies, &frames));
-    observables.extend(cover_angles(scene, &bodies, &frames));
-    if let Some(bonds) = &bonds {
+    observables.extend(filling_angle_by_position(scene, bodies, &frames));
+    observables.extend(cover_angles(scene, bodies, &frames));
+    if let Some(bonds) = &built.bonds {
         let broken = bonds.n_broken() as f64;
         observables.push(ObservableValues::new("broken_bonds", "1", vec![broken]));
     }
     Ok(RunResult {
-        observables,
-        curve: None,
         series,
-        ending: Ending::Turned(state),
-        frames,
         readings,
         filling_angles,
         regime: Some(motion.regime()),
         motion: Some(motion),
-        settling_time_step,
-        time_step: world.settings().time_step,
-        n_steps: world.n_steps(),
-        n_threads: world.n_threads(),
-        n_bodies: world.bodies().len(),
-        n_spheres: n_spheres(scene, &bodies),
-        census: world.census(),
-        bodies,
-        broken_off: scene.protocol.broken_off.clone(),
-        phases,
+        settling_time_step: built.time_steps.settling,
+        ..RunResult::of_world(
+            scene,
+            built,
+            (Ending::Turned(state), frames),
+            observables,
+            phases,
+        )
     })
 }
 
@@ -307,6 +295,38 @@ fn filling_angle_by_position(
 }
 
 impl RunResult {
+    /// What each run of a bed has, from where its world ended.
+    fn of_world(
+        scene: &Scene,
+        built: Built,
+        (ending, frames): (Ending, Vec<Frame>),
+        observables: Vec<ObservableValues>,
+        phases: PhaseTimes,
+    ) -> Self {
+        let Built { world, bodies, .. } = built;
+        Self {
+            series: Vec::new(),
+            ending,
+            frames,
+            readings: Vec::new(),
+            filling_angles: Vec::new(),
+            observables,
+            curve: None,
+            regime: None,
+            motion: None,
+            settling_time_step: world.settings().time_step,
+            time_step: world.settings().time_step,
+            n_steps: world.n_steps(),
+            n_threads: world.n_threads(),
+            n_bodies: world.bodies().len(),
+            n_spheres: n_spheres(scene, &bodies),
+            census: world.census(),
+            bodies,
+            broken_off: scene.protocol.broken_off.clone(),
+            phases,
+        }
+    }
+
     /// The same run seen by the camera of another scene, which differs from the scene of the run in
     /// nothing else.
     ///
@@ -337,27 +357,11 @@ fn in_phases(
 ) -> Result<RunResult, Error> {
     let result = run_phases(scene, plan, built, left, keeper)?;
     [phases.settling_s, phases.measuring_s, phases.reading_s] = result.laps_s;
-    let Built { world, bodies, .. } = result.built;
+    let end = (Ending::Rested(result.doubt), vec![result.frame]);
     Ok(RunResult {
-        series: Vec::new(),
-        ending: Ending::Rested(result.doubt),
-        frames: vec![result.frame],
-        readings: Vec::new(),
-        filling_angles: Vec::new(),
-        observables: result.observables,
         curve: result.curve,
         regime: Some(Regime::Resting),
-        motion: None,
-        settling_time_step: world.settings().time_step,
-        time_step: world.settings().time_step,
-        n_steps: world.n_steps(),
-        n_threads: world.n_threads(),
-        n_bodies: world.bodies().len(),
-        n_spheres: n_spheres(scene, &bodies),
-        census: world.census(),
-        bodies,
-        broken_off: scene.protocol.broken_off.clone(),
-        phases,
+        ..RunResult::of_world(scene, result.built, end, result.observables, phases)
     })
 }
 

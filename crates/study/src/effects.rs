@@ -1,5 +1,6 @@
 //! Effects that the diagnosis may search.
 
+use crate::file::EffectEntry;
 use crate::measured::Resolved;
 use crate::scenes::{Models, Scenes};
 use inference::{EffectProbe, Role};
@@ -19,6 +20,15 @@ pub(crate) struct Searched {
     pub(crate) not_applicable: BTreeMap<String, String>,
 }
 
+/// Why a scene cannot carry an effect of an amplitude; `None` if it can.
+fn refusal(scenes: &Scenes<'_>, scene: &Scene, effect: &str, amplitude: f64) -> Option<String> {
+    let mut scene = scene.clone();
+    match apply(&mut scene, effect, amplitude, &scenes.fillings) {
+        Err(error) => Some(error.to_string()),
+        Ok(()) => Some(scenes.peer()?.check(&scene).err()?.to_string()),
+    }
+}
+
 /// Finds the effects to search, and which models, candidates for the next measurement included, cannot carry each. If the file names
 /// none, it is the whole library, or all effects of a program of the user. Unknown names were refused before.
 pub(crate) fn search(resolved: &Resolved, scenes: &Scenes<'_>, candidates: &Models) -> Searched {
@@ -28,41 +38,31 @@ pub(crate) fn search(resolved: &Resolved, scenes: &Scenes<'_>, candidates: &Mode
     if scenes.file.is_of_command() {
         let wanted = |name| named.is_none_or(|names| names.contains(name));
         let own = scenes.file.effect.iter().filter(|e| wanted(&e.name));
-        found.probes = own
-            .map(|e| EffectProbe {
-                name: e.name.clone(),
-                probe: e.probe,
-                range: e.range,
-                absent: BTreeMap::new(),
-            })
-            .collect();
+        let probe = |e: &EffectEntry| EffectProbe {
+            name: e.name.clone(),
+            probe: e.probe,
+            range: e.range,
+            absent: BTreeMap::new(),
+        };
+        found.probes = own.map(probe).collect();
         return found;
     }
     let all = named.cloned().unwrap_or_else(names);
-    let judged: Vec<usize> = (0..models.setups.len())
-        .filter(|&k| {
-            let mut all = measurements.iter();
-            all.any(|m| m.model == k && m.role != Role::Show)
-        })
-        .collect();
+    let is_judged = |k: &usize| {
+        let mut all = measurements.iter();
+        all.any(|m| m.model == *k && m.role != Role::Show)
+    };
+    let judged: Vec<usize> = (0..models.setups.len()).filter(is_judged).collect();
     for name in all {
         let Ok(effect) = find(&name) else { continue };
         let Effect { probe, range, .. } = *effect;
-        let refusal_at = |scene: &Scene, amplitude: f64| {
-            let mut scene = scene.clone();
-            match apply(&mut scene, &name, amplitude, &scenes.fillings) {
-                Err(error) => Some(error.to_string()),
-                Ok(()) => Some(scenes.peer()?.check(&scene).err()?.to_string()),
-            }
-        };
-        let refusal = |scene: &Scene| refusal_at(scene, probe);
+        let refusal_at = |scene: &Scene, amplitude| refusal(scenes, scene, &name, amplitude);
         let absent_of = |models: &Models, numbers: &[usize]| -> BTreeMap<String, String> {
-            let refused = numbers
-                .iter()
-                .filter_map(|&k| Some((k, refusal(models.setups[k].scene()?)?)));
-            refused
-                .map(|(k, reason)| (models.models[k].name.clone(), reason))
-                .collect()
+            let with_reason = |&k: &usize| {
+                let reason = refusal_at(models.setups[k].scene()?, probe)?;
+                Some((models.models[k].name.clone(), reason))
+            };
+            numbers.iter().filter_map(with_reason).collect()
         };
         let mut absent = absent_of(models, &judged);
         if absent.len() < judged.len() {

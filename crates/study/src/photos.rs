@@ -108,6 +108,25 @@ const NAMED: usize = 5;
 /// Likewise where they are the reason why a study is refused.
 const NAMED_IN_REFUSAL: usize = 20;
 
+/// Why photos that could be read give no value.
+fn no_value(series: &PhotoSeries, shown: Shown<'_>) -> String {
+    if series.remarks.is_empty() {
+        let given = shown.observables.join(", ");
+        format!("show an angle, which this scene does not give; it gives {given}")
+    } else {
+        format!("give no value: {}", series.remarks.join("; "))
+    }
+}
+
+/// What is said of the pairs of pictures that do not show their speed beside those that do.
+fn without_speed(lost: &[String], shown: usize) -> Option<String> {
+    let first = lost.first()?;
+    let (lost, all) = (lost.len(), lost.len() + shown);
+    Some(format!(
+        "{SPEED}: {lost} of {all} pairs of pictures do not show it: {first}"
+    ))
+}
+
 /// Reads all photos of a measurement. Those that cannot be measured are left out, with what that may change in each observable, as
 /// long as the mean of the angle bears it ([`photo_profile::SelectionBias`]); beyond, all are refused.
 ///
@@ -166,37 +185,23 @@ pub(crate) fn read(
     series.remarks.extend(found.remark());
     series.remarks.extend(copies(&series.files));
     series.remarks.extend(on_their_side(postures));
-    if let Some(first) = lost.first() {
-        let (lost, all) = (lost.len(), lost.len() + speeds.len());
-        let remark = format!("{SPEED}: {lost} of {all} pairs of pictures do not show it: {first}");
-        series.remarks.push(remark);
-    }
+    series.remarks.extend(without_speed(&lost, speeds.len()));
+    let interval = options.frame_interval.as_ref();
     let wanted = Wanted {
         observables: shown.observables,
         also: &options.also,
         leave_out: &options.leave_out,
-        interval: options
-            .frame_interval
-            .map(|interval| interval.si() * every.get() as f64),
+        interval: interval.map(|interval| interval.si() * every.get() as f64),
     };
     if let Err(reason) = take_over(&frames, (&speeds, lost.len()), wanted, &mut series) {
         let mut reasons = named(&unread, NAMED_IN_REFUSAL);
         reasons.push(reason);
         return Err(reasons);
     }
-    if series.values.is_empty() && !series.remarks.is_empty() {
-        return Err(vec![format!(
-            "give no value: {}",
-            series.remarks.join("; ")
-        )]);
+    if !series.values.is_empty() {
+        return Ok(series);
     }
-    if series.values.is_empty() {
-        return Err(vec![format!(
-            "show an angle, which this scene does not give; it gives {}",
-            shown.observables.join(", ")
-        )]);
-    }
-    Ok(series)
+    Err(vec![no_value(&series, shown)])
 }
 
 /// Pictures that could not be read, a sentence each for `most` of them.

@@ -174,21 +174,20 @@ pub fn read_surface(points: &[SurfacePoint], drum: &DrumCircle) -> Result<Surfac
     let middle = shape(&stations, SHAPE_REACH).unwrap_or(whole);
     let error = line_error(&stations, &whole);
     let steepness = frame.inclination.abs();
-    let ends = [-1.0, 1.0].map(|side| end(&stations, &whole, drum.radius, side));
+    let ends_of = |s: &_, w: &_| [-1.0, 1.0].map(|side| end(s, w, drum.radius, side));
+    let ends = ends_of(&stations, &whole);
     let mid_slope = middle_slope(&stations, &whole, drum.radius);
     let errors = functional_errors(
         &stations,
         &whole,
         error.widening,
         [&|s, w| middle_slope(s, w, drum.radius), &|s, w| {
-            chord_slope(&[-1.0, 1.0].map(|side| end(s, w, drum.radius, side)))
+            chord_slope(&ends_of(s, w))
         }],
     );
     let slope_by_rest = chord_slope(&ends);
-    let slope_by_cubic = chord_slope(
-        &[-1.0, 1.0]
-            .map(|side| carried_on(&stations, &whole, &Regression::LEVEL, drum.radius, side)),
-    );
+    let cubic = |side| carried_on(&stations, &whole, &Regression::LEVEL, drum.radius, side);
+    let slope_by_cubic = chord_slope(&[-1.0, 1.0].map(cubic));
     let n_points = stations.used.iter().filter(|used| **used).count();
     let angle = SurfaceAngle {
         line: steepness,
@@ -209,9 +208,8 @@ pub fn read_surface(points: &[SurfacePoint], drum: &DrumCircle) -> Result<Surfac
         n_rejected: points.len() - n_points,
     };
     let height = stations.all.iter().map(|s| s.height).sum::<f64>() / stations.all.len() as f64;
-    let reach = (drum.radius * drum.radius - height * height)
-        .max(0.0)
-        .sqrt();
+    let square = drum.radius * drum.radius - height * height;
+    let reach = square.max(0.0).sqrt();
     Ok(SurfaceReading {
         angle,
         used: stations.used,

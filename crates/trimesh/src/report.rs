@@ -101,7 +101,7 @@ pub enum Warning {
 }
 
 impl std::fmt::Display for Warning {
-    // Long because each variant has its sentence here.
+    #[allow(clippy::too_many_lines, reason = "each variant has its sentence here")]
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::UnitSuspect {

@@ -25,7 +25,7 @@ impl Advice {
 const MOST_ERROR: f64 = 30.0;
 
 /// The advice for a reading, `None` for one that was measured.
-// Long because each refusal has its advice here.
+#[allow(clippy::too_many_lines, reason = "each refusal has its advice here")]
 pub(crate) fn advice(reading: &PhotoReading) -> Option<Advice> {
     let refused = reading.refused()?;
     Some(match &refused.reason {

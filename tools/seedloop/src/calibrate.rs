@@ -73,11 +73,8 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
     if arguments.plan {
         common.print(plan.trim_end())?;
         common.emit_json(&price)?;
-        return Ok(if price.cannot_be_met.is_some() {
-            NOT_MET
-        } else {
-            DONE
-        });
+        let can_be_met = price.cannot_be_met.is_none();
+        return Ok(if can_be_met { DONE } else { NOT_MET });
     }
     refuse_used_folder(&folder, arguments.resume, common)?;
     require_memory(study.models.values(), common.threads())?;
@@ -119,23 +116,33 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
         common.print(format!("refused: {refused}"))?;
         return Ok(NOT_MET);
     }
-    let mut result = match finished(&stop, done)? {
+    let result = match finished(&stop, done)? {
         Ok(result) => result,
         Err(code) => return Ok(code),
     };
-    let files = write_hand_over(&folder, &study, &mut result)
+    let write_page =
+        |result: &StudyResult| page.replace(|| report::write(&folder, &study, &simulator, result));
+    hand_over(result, &study, &folder, write_page, common)
+}
+
+/// Writes the result into the folder and prints it; gives the exit code.
+fn hand_over(
+    mut result: StudyResult,
+    study: &Study,
+    folder: &Path,
+    write_page: impl FnOnce(&StudyResult) -> anyhow::Result<()>,
+    common: &Common,
+) -> anyhow::Result<u8> {
+    let files = write_hand_over(folder, study, &mut result)
         .with_context(|| format!("cannot write the results into {}", folder.display()))?;
     write_result(&folder.join("result.json"), &result, &StudyResult::CLOCK)?;
-    page.replace(|| report::write(&folder, &study, &simulator, &result))?;
-    let next = next_measurement::of_calibration(&study, &result, &folder);
-    let text = text::result(&result, &folder, &files) + &next;
+    write_page(&result)?;
+    let next = next_measurement::of_calibration(study, &result, folder);
+    let text = text::result(&result, folder, &files) + &next;
     common.print(text.trim_end())?;
     common.emit_json(&result)?;
-    Ok(if result.calibration.met {
-        DONE
-    } else {
-        NOT_MET
-    })
+    let met = result.calibration.met;
+    Ok(if met { DONE } else { NOT_MET })
 }
 
 /// Refuses a folder with results of an earlier run, unless the user said that it is to continue.

@@ -125,21 +125,28 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         wait: options.wait,
     };
     let done = run_diagnosis(&study, &at, &settings);
-    let result = match finished(&stop, done)? {
-        Ok(result) => result,
-        Err(code) => return Ok(code),
-    };
-    write_result(
-        &folder.join("result.json"),
-        &result,
-        &DiagnosisResult::CLOCK,
-    )?;
+    match finished(&stop, done)? {
+        Ok(result) => hand_over(&study, &result, &folder, page, common),
+        Err(code) => Ok(code),
+    }
+}
+
+/// Writes the result into the folder and prints it; gives the exit code.
+fn hand_over(
+    study: &Study,
+    result: &DiagnosisResult,
+    folder: &Path,
+    page: RunningPage<'_>,
+    common: &Common,
+) -> anyhow::Result<u8> {
+    let file = folder.join("result.json");
+    write_result(&file, result, &DiagnosisResult::CLOCK)?;
     let (done, code) = match &result.diagnosis {
         DiagnosisStage::Done(done) => {
             write_json(&folder.join("problem.json"), &done.problem)?;
-            page.replace(|| report::write(&folder, &result, done, common))?;
-            common.print(found_text(&study, done).trim_end())?;
-            let next = next_measurement::of_diagnosis(&study, &result, &folder);
+            page.replace(|| report::write(folder, result, done, common))?;
+            common.print(found_text(study, done).trim_end())?;
+            let next = next_measurement::of_diagnosis(study, result, folder);
             if !next.is_empty() {
                 common.print(next.trim_end())?;
             }
@@ -154,10 +161,10 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
     for warning in done.iter().flat_map(|d| &d.warnings) {
         common.log(|| format!("warning: {warning}"));
     }
-    common.print(format!("results: {}", folder.join("result.json").display()))?;
+    common.print(format!("results: {}", file.display()))?;
     common.emit_json(&Report {
         diagnosis: done,
-        result: &result,
+        result,
     })?;
     Ok(code)
 }
@@ -211,39 +218,33 @@ fn plan_text(study: &Study, at: &[f64], price: &DiagnosisPrice, threads: usize) 
             " (a guess until the first runs are done)"
         },
     );
+    let mut add_line = |line: std::fmt::Arguments<'_>| add(&mut out, format_args!("  {line}\n"));
     for (parameter, value) in problem.parameters.iter().zip(at) {
         let (symbol, name) = (&parameter.symbol, &parameter.name);
-        add(
-            &mut out,
-            format_args!("  from {symbol} = {value}: {name}\n"),
-        );
+        add_line(format_args!("from {symbol} = {value}: {name}"));
     }
     for measured in &problem.measurements {
         let (model, name) = (&problem.models[measured.model].name, &measured.observable);
         let role = format!("{:?}", measured.role).to_lowercase();
-        add(&mut out, format_args!("  {role:<6} {name} of {model}\n"));
+        add_line(format_args!("{role:<6} {name} of {model}"));
     }
     let offered = &problem.candidates;
     if price.at_candidates > 0 {
-        add(
-            &mut out,
-            format_args!(
-                "  of these at most {} at {} candidates for the next measurement, only where the verdict leaves a question\n",
-                price.at_candidates,
-                offered.len()
-            ),
-        );
+        add_line(format_args!(
+            "of these at most {} at {} candidates for the next measurement, only where the verdict leaves a question",
+            price.at_candidates,
+            offered.len()
+        ));
         for candidate in offered {
-            add(
-                &mut out,
-                format_args!("  could be measured: {}\n", candidate.model.name),
-            );
+            add_line(format_args!("could be measured: {}", candidate.model.name));
         }
     } else if !offered.is_empty() {
-        out.push_str("  the budget leaves no runs for what to measure next\n");
+        add_line(format_args!(
+            "the budget leaves no runs for what to measure next"
+        ));
     }
     for (effect, reason) in &study.not_applicable {
-        add(&mut out, format_args!("  left out: {effect}: {reason}\n"));
+        add_line(format_args!("left out: {effect}: {reason}"));
     }
     out
 }

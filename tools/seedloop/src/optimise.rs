@@ -187,16 +187,11 @@ struct Report {
 /// Files that cannot be read, a target or measured invalid values.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     arguments.common.try_outputs([])?;
-    let path = &arguments.analysis;
-    let read = read::read(path, arguments)?;
+    let read = read::read(&arguments.analysis, arguments)?;
     let Some(target) = arguments.target else {
         return goals::run(arguments, read);
     };
-    let read::Read {
-        fit,
-        transform,
-        warnings,
-    } = read;
+    let (fit, transform, warnings) = (read.fit, read.transform, read.warnings);
     let scale = Scale(transform);
     let request = SolutionRequest {
         target: scale.of("the target", target)?,
@@ -218,29 +213,19 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
             Some(confirm(&fit, &at.natural, &runs, solutions.error)?)
         }
     };
+    let content = arguments.content.unwrap_or(CONTENT);
     let tolerance = match &at {
-        Some(at) => fit.tolerance(
-            &at.natural,
-            solutions.error,
-            arguments.content.unwrap_or(CONTENT),
-            CONFIDENCE,
-        )?,
+        Some(at) => fit.tolerance(&at.natural, solutions.error, content, CONFIDENCE)?,
         None => None,
     };
     let scatter = Scatter::read(&fit, &arguments.factor_sd, &solutions, at.as_ref())?;
-    let bootstrap = match arguments.bootstrap {
-        Some(draws) => bootstrap(&fit, &request, draws, arguments.seed.unwrap_or(1))?,
-        None => Vec::new(),
-    };
-    let refuted = confirmation.as_ref().and_then(|c| c.confirmed) == Some(false);
-    let code = if solutions.exists && !refuted {
-        DONE
-    } else {
-        NOT_MET
-    };
-    let seed = arguments.bootstrap.map(|_| arguments.seed.unwrap_or(1));
+    let seed = arguments.seed.unwrap_or(1);
+    let draws = arguments.bootstrap;
+    let bootstrap = draws.map(|draws| bootstrap(&fit, &request, draws, seed));
+    let is_refuted = confirmation.as_ref().and_then(|c| c.confirmed) == Some(false);
+    let is_met = solutions.exists && !is_refuted;
     let report = Report {
-        header: Header::new(seed, [path])?,
+        header: Header::new(draws.map(|_| seed), [&arguments.analysis])?,
         factors: fit.factors.iter().map(|f| f.symbol().to_owned()).collect(),
         original: transform
             .map(|t| InUnit::new(t, target, &solutions, at.as_ref(), tolerance.as_ref())),
@@ -250,14 +235,14 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         propagation: scatter.at,
         propagation_nearest: scatter.nearest,
         most_robust: scatter.most_robust,
-        bootstrap,
+        bootstrap: bootstrap.transpose()?.unwrap_or_default(),
         confirmation,
         warnings,
     };
     let common = &arguments.common;
     common.emit_json(&report)?;
     words::describe(common, &fit, &report)?;
-    Ok(code)
+    Ok(if is_met { DONE } else { NOT_MET })
 }
 
 /// What the scatter of the factors does.

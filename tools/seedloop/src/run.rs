@@ -179,16 +179,26 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         Err(code) => return Ok(code),
     };
     let file = folder.join("results.csv");
+    let where_to = format!("The results are in {}.", file.display());
+    let code = write_outcomes(arguments, &table, header, &outcomes, &file);
+    page.finish(Tone::Note, "Finished", &where_to);
+    code
+}
+
+/// Writes the results and reports them; gives the exit code.
+fn write_outcomes(
+    arguments: &Arguments,
+    table: &DesignTable,
+    header: Header,
+    outcomes: &[Result<Record, String>],
+    file: &Path,
+) -> anyhow::Result<u8> {
+    let common = &arguments.common;
     let [table_written, workbook_written] =
-        write_results(&file, &table.results_csv(&outcomes), &arguments.design);
-    let [failed, refused] = tell_failures(table.runs(), &outcomes)?;
+        write_results(file, &table.results_csv(outcomes), &arguments.design);
+    let [failed, refused] = tell_failures(table.runs(), outcomes)?;
     let file = file.display().to_string();
-    page.finish(
-        Tone::Note,
-        "Finished",
-        &format!("The results are in {file}."),
-    );
-    let each = table.runs().iter().zip(&outcomes);
+    let each = table.runs().iter().zip(outcomes);
     // The runs are done: what cannot be written takes nothing else with it.
     all_written([
         table_written,

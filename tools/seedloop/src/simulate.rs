@@ -139,24 +139,16 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
     try_outputs(arguments)?;
     let set = [arguments.set.as_slice(), &arguments.further].concat();
+    let set_file = arguments.set_file.as_deref();
     let ReadScene {
         scene,
         changes,
         warnings,
-    } = read_scene(
-        &arguments.scene,
-        arguments.set_file.as_deref(),
-        &set,
-        common,
-    )?;
+    } = read_scene(&arguments.scene, set_file, &set, common)?;
     let mut inputs = vec![arguments.scene.clone()];
     inputs.extend(arguments.set_file.clone());
-    inputs.extend(
-        scene
-            .shape_files()
-            .iter()
-            .map(|mesh| scene.folder.join(mesh)),
-    );
+    let shapes = scene.shape_files();
+    inputs.extend(shapes.iter().map(|mesh| scene.folder.join(mesh)));
     let header = Header::new(arguments.seed, inputs)?;
     require_memory([&scene], 1)?;
     let of_frames = [

@@ -99,6 +99,39 @@ pub(crate) fn cells(
     Ok(cells)
 }
 
+/// A cell of a sheet, as messages name it.
+fn place(sheet: &str, (row, column): (u32, u32)) -> String {
+    let cell = cell_name(row as usize + 1, column as usize);
+    format!("sheet '{sheet}', cell {cell}")
+}
+
+/// Refuses merged cells in the area of a table.
+fn refuse_merged(
+    workbook: &mut Workbook<'_>,
+    name: &str,
+    table: &Dimensions,
+) -> Result<(), String> {
+    let merged = workbook.merge_cells_by_sheet_name(name);
+    let merged = merged.map_err(|error| {
+        format!("sheet '{name}' cannot be read ({error}); save the workbook again")
+    })?;
+    let meets = |area: &&Dimensions| {
+        area.start != area.end
+            && area.start.0 <= table.end.0
+            && area.end.0 >= table.start.0
+            && area.start.1 <= table.end.1
+            && area.end.1 >= table.start.1
+    };
+    merged.iter().find(meets).map_or(Ok(()), |area| {
+        let end = cell_name(area.end.0 as usize + 1, area.end.1 as usize);
+        Err(format!(
+            "{}: it is merged with the cells up to {end}; a table has one row of column names and one value in a cell: \
+             unmerge them, or begin a row of titles with #",
+            place(name, area.start)
+        ))
+    })
+}
+
 /// The table in the cells of a sheet.
 pub(crate) fn table(
     workbook: &mut Workbook<'_>,
@@ -122,32 +155,12 @@ pub(crate) fn table(
             first = left;
         }
     }
-    let place = |row: u32, column: u32| {
-        format!(
-            "sheet '{name}', cell {}",
-            cell_name(row as usize + 1, column as usize)
-        )
-    };
     let bottom = cells.last_key_value().map_or(top, |(row, _)| *row);
-    let merged = workbook.merge_cells_by_sheet_name(name);
-    let merged = merged.map_err(|error| {
-        format!("sheet '{name}' cannot be read ({error}); save the workbook again")
-    })?;
-    let meets = |area: &&Dimensions| {
-        area.start != area.end
-            && area.start.0 <= bottom
-            && area.end.0 >= top
-            && area.start.1 <= last
-            && area.end.1 >= first
-    };
-    if let Some(area) = merged.iter().find(meets) {
-        let end = cell_name(area.end.0 as usize + 1, area.end.1 as usize);
-        return Err(format!(
-            "{}: it is merged with the cells up to {end}; a table has one row of column names and one value in a cell: \
-             unmerge them, or begin a row of titles with #",
-            place(area.start.0, area.start.1)
-        ));
-    }
+    refuse_merged(
+        workbook,
+        name,
+        &Dimensions::new((top, first), (bottom, last)),
+    )?;
     for (&row, values) in &cells {
         let unnamed = |(column, _): &&(u32, String)| {
             header
@@ -159,7 +172,7 @@ pub(crate) fn table(
             return Err(format!(
                 "{}: '{text}' has no column name above it in row {}; give it one, move it to another sheet, or begin a row \
                  of titles above the names with #",
-                place(row, *column),
+                place(name, (row, *column)),
                 top + 1
             ));
         }

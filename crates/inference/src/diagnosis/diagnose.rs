@@ -58,13 +58,6 @@ pub fn diagnose(problem: &Problem, options: &Options) -> Result<Diagnosis, Error
         withdrawn,
     } = decide_and_check(problem, options)?;
     let refused = decision.verdict == Verdict::Refused;
-    let mut warnings = problem.warnings.clone();
-    warnings.extend(odd_amplitudes(problem, &decision));
-    warnings.extend(unseen_parameters(problem));
-    warnings.extend(withdrawn);
-    warnings.extend(held_parameters(problem, &decision));
-    warnings.extend(promises(&decision));
-    warnings.extend(lone_support(problem, &decision, options)?);
     let name = |j: &usize| problem.candidates[*j].name.clone();
     let names = |list: &[usize]| list.iter().map(name).collect::<Vec<_>>();
     let candidates = if refused {
@@ -108,7 +101,7 @@ pub fn diagnose(problem: &Problem, options: &Options) -> Result<Diagnosis, Error
         refits: Vec::new(),
         runs_on_unused: None,
         next_measurement: None,
-        warnings,
+        warnings: all_warnings(problem, &decision, withdrawn, options)?,
         seed: options.seed,
         draws: options.draws,
     };
@@ -183,6 +176,23 @@ fn withdraw(decision: &mut Decision, errors: Option<&BeforeAfter>) -> Option<Str
          of 20 cases at -1.6); the whitened mean square goes from {:.3} to {:.3} there",
         unused.contrast.score, mse.before, mse.after
     ))
+}
+
+/// What the reader of a diagnosis should know beside its verdict.
+fn all_warnings(
+    problem: &Problem,
+    decision: &Decision,
+    withdrawn: Option<String>,
+    options: &Options,
+) -> Result<Vec<String>, Error> {
+    let mut warnings = problem.warnings.clone();
+    warnings.extend(odd_amplitudes(problem, decision));
+    warnings.extend(unseen_parameters(problem));
+    warnings.extend(withdrawn);
+    warnings.extend(held_parameters(problem, decision));
+    warnings.extend(promises(decision));
+    warnings.extend(lone_support(problem, decision, options)?);
+    Ok(warnings)
 }
 
 /// Warns of amplitudes that the data want larger than is physically possible; not where runs at fitted parameters follow,

@@ -205,40 +205,28 @@ fn task(problem: &Problem, diagnosis: &Diagnosis, experiments: &[Experiment]) ->
     let known = |j: &usize| experiments.iter().all(|e| e.tells_of(*j));
     let number = |name: &String| problem.candidates.iter().position(|c| c.name == *name);
     let asked = diagnosis.in_question();
-    let effects: Vec<usize> = asked
-        .iter()
-        .filter_map(|q| number(&q.name).filter(known))
-        .collect();
-    let pairs = |groups: &[Vec<String>]| -> Vec<Pair> {
+    let effects = asked.iter().filter_map(|q| number(&q.name).filter(known));
+    let effects: Vec<usize> = effects.collect();
+    let separate = |groups: &[Vec<String>]| {
         let mut pairs = Vec::new();
         for group in groups {
-            let members: Vec<usize> = group
-                .iter()
-                .filter_map(|name| number(name).filter(known))
-                .collect();
+            let members = group.iter().filter_map(|name| number(name).filter(known));
+            let members: Vec<usize> = members.collect();
             for &effect in &members {
                 let others = members.iter().filter(|&&k| k != effect);
                 pairs.extend(others.filter_map(|&rival| pair(problem, diagnosis, effect, rival)));
             }
         }
-        pairs
+        Question::Separate(pairs)
     };
     let (purpose, question, target) = match diagnosis.verdict {
         Verdict::Tie => {
-            let pairs = pairs(&diagnosis.tie_groups);
-            (
-                Purpose::BreakTie,
-                Question::Separate(pairs),
-                SEPARATION_TO_REACH,
-            )
+            let question = separate(&diagnosis.tie_groups);
+            (Purpose::BreakTie, question, SEPARATION_TO_REACH)
         }
         Verdict::Unknown if effects.len() > 1 => {
-            let pairs = pairs(std::slice::from_ref(&diagnosis.suspects));
-            (
-                Purpose::TellSuspects,
-                Question::Separate(pairs),
-                SEPARATION_TO_REACH,
-            )
+            let question = separate(std::slice::from_ref(&diagnosis.suspects));
+            (Purpose::TellSuspects, question, SEPARATION_TO_REACH)
         }
         Verdict::Unknown => {
             let found = effects.iter().filter_map(|&j| {

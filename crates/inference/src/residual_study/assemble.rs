@@ -63,7 +63,8 @@ pub(super) fn problem(
         of_run(*variance, &|c| linear.moves[plan.parameters.len() + j][c])
     };
     let name_of = |&effect: &usize| plan.effects[effect].name.clone();
-    let any_prior = plan.parameters.iter().any(|d| d.prior.is_some());
+    let effects = || plan.effects.iter();
+    let (prior_precision, prior_offset) = priors(plan, fitted);
     ProblemFile {
         id: plan.id.clone(),
         conditions: used().map(|c| coordinates(plan, c)).collect(),
@@ -83,29 +84,11 @@ pub(super) fn problem(
             .map(|error| of_run(1.0, &|c| error.at[c]))
             .collect(),
         cov_sensitivities_declared_along: slope_errors.map(|error| error.along.clone()).collect(),
-        shift_limits: plan
-            .parameters
-            .iter()
-            .zip(fitted)
-            .map(|(d, at)| [0, 1].map(|end| Some(d.limits[end] - at)))
-            // A fit that ends on a bound may be beside it by rounding.
-            .map(|[least, greatest]| [least.map(|x| x.min(0.0)), greatest.map(|x| x.max(0.0))])
-            .collect(),
+        shift_limits: shift_limits(plan, fitted),
         at_fitted_parameters: true,
-        prior_precision: any_prior.then(|| {
-            let precision = |sd: f64| 1.0 / (sd * sd);
-            let each = plan
-                .parameters
-                .iter()
-                .map(|d| d.prior.map_or(0.0, |p| precision(p.sd)));
-            PriorPrecision::Diagonal(each.collect())
-        }),
-        prior_offset: if any_prior {
-            offsets(plan, fitted)
-        } else {
-            Vec::new()
-        },
-        library: plan.effects.iter().map(|e| e.name.clone()).collect(),
+        prior_precision,
+        prior_offset,
+        library: effects().map(|e| e.name.clone()).collect(),
         sensitivities_library: linear.library.concat(),
         cov_sensitivities_library: linear
             .library_variance
@@ -113,19 +96,32 @@ pub(super) fn problem(
             .enumerate()
             .map(of_effect)
             .collect(),
-        largest_amplitudes: plan
-            .effects
-            .iter()
-            .map(|e| (e.name.clone(), e.largest()))
-            .collect(),
-        signs: plan
-            .effects
-            .iter()
-            .map(|e| (e.name.clone(), e.sign()))
-            .collect(),
+        largest_amplitudes: effects().map(|e| (e.name.clone(), e.largest())).collect(),
+        signs: effects().map(|e| (e.name.clone(), e.sign())).collect(),
         not_run: linear.not_run.iter().map(name_of).collect(),
         ..ProblemFile::default()
     }
+}
+
+/// How far each parameter may move from its fitted value, down and up.
+fn shift_limits(plan: &ResidualPlan, fitted: &[f64]) -> Vec<[Option<f64>; 2]> {
+    let each = plan.parameters.iter().zip(fitted);
+    each.map(|(d, at)| [0, 1].map(|end| d.limits[end] - at))
+        // A fit that ends on a bound may be beside it by rounding.
+        .map(|[least, greatest]| [Some(least.min(0.0)), Some(greatest.max(0.0))])
+        .collect()
+}
+
+/// Precision of the priors and their distance from the fit; nothing if no parameter has a prior.
+fn priors(plan: &ResidualPlan, fitted: &[f64]) -> (Option<PriorPrecision>, Vec<f64>) {
+    if plan.parameters.iter().all(|d| d.prior.is_none()) {
+        return (None, Vec::new());
+    }
+    let precision = |sd: f64| 1.0 / (sd * sd);
+    let each = plan.parameters.iter();
+    let each = each.map(|d| d.prior.map_or(0.0, |p| precision(p.sd)));
+    let precisions = PriorPrecision::Diagonal(each.collect());
+    (Some(precisions), offsets(plan, fitted))
 }
 
 fn coordinates(plan: &ResidualPlan, condition: usize) -> Condition {

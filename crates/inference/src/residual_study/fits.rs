@@ -107,7 +107,16 @@ pub(super) struct Refitted {
     pub(super) slopes: Linearisation,
 }
 
-impl Fits<'_> {
+impl<'a> Fits<'a> {
+    /// The fits of a plan with so many runs of each mean at the kept conditions.
+    pub(super) fn new(worker: &'a Worker<'a>, plan: &'a ResidualPlan, runs_at_kept: usize) -> Self {
+        Self {
+            worker,
+            plan,
+            runs_at_kept,
+        }
+    }
+
     /// Fits the declared parameters without an effect; with the points that were run on the way. The start is one of
     /// those among which the best is taken.
     pub(super) fn declared(

@@ -158,6 +158,13 @@ impl Linearisation {
         self.scatter.pooled()
     }
 
+    /// Standard deviation of one run by observable, pooled over all conditions.
+    pub(super) fn scatter_of_runs(&self, plan: &ResidualPlan) -> BTreeMap<String, f64> {
+        let pooled = self.pooled_covariance();
+        let sds = (0..pooled.len()).map(|k| pooled[k][k].sqrt());
+        plan.observables.iter().cloned().zip(sds).collect()
+    }
+
     /// Whether the runs with an effect have the noise of those without it, as those of a camera have.
     pub(super) fn shares_noise(&self, effect: usize) -> bool {
         self.own_noise[effect] < 1.0

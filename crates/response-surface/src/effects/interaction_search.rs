@@ -3,7 +3,7 @@
 use experiment_design::Factor;
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Model, Observations, Weighting, fit_weighted};
+use crate::{Error, Fit, Model, Observations, Weighting, fit_weighted};
 
 /// Interactions taken up at most.
 const MOST_STEPS: usize = 3;
@@ -75,45 +75,45 @@ pub fn interaction_search(
         Some((aicc, fit))
     };
     let mut steps = Vec::new();
-    while steps.len() < MOST_STEPS {
-        let Some((before, _)) = fitted(&terms) else {
-            break;
-        };
-        let with = |term: &String| [&terms[..], std::slice::from_ref(term)].concat();
-        let mut tried: Vec<(f64, &String)> = candidates
-            .iter()
-            .filter(|term| !terms.contains(*term))
-            .filter_map(|term| Some((fitted(&with(term))?.0, term)))
-            .collect();
-        tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let Some(&(after, best)) = tried.first().filter(|(aicc, _)| *aicc < before) else {
-            break;
-        };
-        let Some((_, fit)) = fitted(&with(best)) else {
-            break;
-        };
-        // Names in a fit are short where all symbols are single letters.
-        let Some(row) = fit
-            .terms
-            .get(best)
-            .or_else(|| fit.terms.get(&best.replace(':', "")))
-        else {
-            break;
-        };
-        steps.push(InteractionStep {
-            added: best.clone(),
-            coef: row.coef,
-            p: row.p,
-            aicc: [before, after],
-            rivals: tried[1..]
-                .iter()
-                .filter(|(aicc, _)| aicc - after < RIVAL)
-                .map(|(_, term)| (*term).clone())
-                .collect(),
-        });
-        terms = with(best);
+    while steps.len() < MOST_STEPS
+        && let Some(step) = best_step(&terms, &candidates, &fitted)
+    {
+        terms.push(step.added.clone());
+        steps.push(step);
     }
     Ok(steps)
+}
+
+/// Akaike's corrected criterion and the fit of some terms; `None` if the runs cannot separate them.
+type Fitted<'a> = dyn Fn(&[String]) -> Option<(f64, Fit)> + 'a;
+
+/// The candidate that lowers the criterion most beside these terms; `None` if none lowers it.
+fn best_step(
+    terms: &[String],
+    candidates: &[String],
+    fitted: &Fitted<'_>,
+) -> Option<InteractionStep> {
+    let (before, _) = fitted(terms)?;
+    let with = |term: &String| [terms, std::slice::from_ref(term)].concat();
+    let mut tried: Vec<(f64, &String)> = candidates
+        .iter()
+        .filter(|term| !terms.contains(*term))
+        .filter_map(|term| Some((fitted(&with(term))?.0, term)))
+        .collect();
+    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let &(after, best) = tried.first().filter(|(aicc, _)| *aicc < before)?;
+    let (_, fit) = fitted(&with(best))?;
+    // Names in a fit are short if all symbols are single letters.
+    let short = || fit.terms.get(&best.replace(':', ""));
+    let row = fit.terms.get(best).or_else(short)?;
+    let close = tried[1..].iter().filter(|(aicc, _)| aicc - after < RIVAL);
+    Some(InteractionStep {
+        added: best.clone(),
+        coef: row.coef,
+        p: row.p,
+        aicc: [before, after],
+        rivals: close.map(|(_, term)| (*term).clone()).collect(),
+    })
 }
 
 #[cfg(test)]

@@ -73,9 +73,8 @@ impl Matrix {
                 what: "a model with blocks needs its intercept",
             });
         }
-        let block_names = blocks
-            .iter()
-            .map(|&block| format!("block {}", data.block_name(block)));
+        let block_name = |&block: &usize| format!("block {}", data.block_name(block));
+        let block_names = blocks.iter().map(block_name);
         let mut names = model.names();
         names.splice(intercept..intercept, block_names);
         let contrast = |cell: usize, column: usize| match cell {
@@ -92,17 +91,7 @@ impl Matrix {
             row
         };
         let rows: Vec<Vec<f64>> = cells.iter().map(row).collect();
-        let beyond = |x: &&f64| x.is_nan() || x.abs() > Observations::LARGEST;
-        let far = rows.iter().enumerate();
-        let mut far = far.filter_map(|(i, row)| Some((i, *row.iter().find(beyond)?)));
-        if let Some((i, value)) = far.next() {
-            return Err(Error::BadObservation {
-                row: i + 1,
-                what: "a product of its coded settings",
-                value,
-                way_out: "squares of numbers beyond 1e140 overflow; give the range of the factor",
-            });
-        }
+        refuse_overflow(&rows)?;
         Ok(Self {
             names,
             n_blocks: blocks.len(),
@@ -203,4 +192,19 @@ fn weights(data: &Observations, weighting: Weighting) -> Result<Vec<f64>, Error>
     }
     let mean = weights.iter().sum::<f64>() / weights.len() as f64;
     Ok(weights.into_iter().map(|w| w / mean).collect())
+}
+
+/// Refuses products of settings whose squares overflow.
+fn refuse_overflow(rows: &[Vec<f64>]) -> Result<(), Error> {
+    let is_beyond = |x: &&f64| x.is_nan() || x.abs() > Observations::LARGEST;
+    let far = rows.iter().enumerate();
+    let mut far = far.filter_map(|(i, row)| Some((i, *row.iter().find(is_beyond)?)));
+    far.next().map_or(Ok(()), |(i, value)| {
+        Err(Error::BadObservation {
+            row: i + 1,
+            what: "a product of its coded settings",
+            value,
+            way_out: "squares of numbers beyond 1e140 overflow; give the range of the factor",
+        })
+    })
 }

@@ -71,6 +71,7 @@ pub enum Warning {
 }
 
 impl fmt::Display for Warning {
+    #[allow(clippy::too_many_lines, reason = "each variant has its sentence here")]
     fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::VarianceInflation { term, vif } => {

@@ -2,6 +2,7 @@
 
 use experiment_design::Factor;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 use crate::fit::{FTest, f_test};
 use crate::{Error, Fit, Model, NamedValues, Observations, Term, Weighting, fit_weighted};
@@ -148,22 +149,7 @@ impl CategoricalModel {
         let written = written.subset(&keep);
         let mut terms = Vec::new();
         for (place, term) in written.terms().iter().enumerate() {
-            let mut base = term.powers()[..k].to_vec();
-            base.resize(factors.len(), 0);
-            let mut expanded = vec![base];
-            for (j, range) in columns.iter().enumerate() {
-                if term.powers()[k + j] == 1 {
-                    let each = |powers: &Vec<u8>| -> Vec<Vec<u8>> {
-                        let with = |column: usize| {
-                            let mut powers = powers.clone();
-                            powers[column] = 1;
-                            powers
-                        };
-                        range.clone().map(with).collect()
-                    };
-                    expanded = expanded.iter().flat_map(each).collect();
-                }
-            }
+            let expanded = expanded(term, k, &columns);
             terms.extend(expanded.into_iter().map(|powers| (place, powers)));
         }
         let names = factors.iter().map(|f| f.symbol().to_owned()).collect();
@@ -258,6 +244,27 @@ pub struct GroupRow {
     pub type_ii: GroupSum,
     /// After all other terms.
     pub type_iii: GroupSum,
+}
+
+/// The powers of the terms that a written term becomes in the columns of the levels, which follow the k numeric factors.
+fn expanded(term: &Term, k: usize, columns: &[Range<usize>]) -> Vec<Vec<u8>> {
+    let mut base = term.powers()[..k].to_vec();
+    base.resize(columns.last().map_or(k, |range| range.end), 0);
+    let mut expanded = vec![base];
+    for (power, range) in term.powers()[k..].iter().zip(columns) {
+        if *power == 1 {
+            let each = |powers: &Vec<u8>| -> Vec<Vec<u8>> {
+                let with = |column: usize| {
+                    let mut powers = powers.clone();
+                    powers[column] = 1;
+                    powers
+                };
+                range.clone().map(with).collect()
+            };
+            expanded = expanded.iter().flat_map(each).collect();
+        }
+    }
+    expanded
 }
 
 #[cfg(test)]

@@ -4,8 +4,9 @@ use experiment_design::Design;
 use probability::random_stream::Stream;
 use serde::Serialize;
 
-use crate::fit::least_squares::{basis, least_squares};
+use crate::fit::least_squares::{LeastSquares, basis, least_squares};
 use crate::fit::{Matrix, ratio};
+use crate::selection::alias;
 use crate::{Error, Model, NamedValues, Observations, Term, Weighting};
 use probability::{noncentral_f_upper_tail, t_two_sided_quantile};
 
@@ -98,18 +99,18 @@ pub fn evaluate(design: &Design, model: &Model, over: Over<'_>) -> Result<Evalua
     let data = Observations::from_cells(cells.collect())?;
     let matrix = Matrix::unchecked(model, &data, Weighting::Equal)?;
     let (n, p) = (matrix.rows.len(), matrix.names.len());
-    let groups = crate::fit::same_settings(&data).len();
     let dependent = basis(&matrix.rows, &matrix.names, &matrix.weights).dependent;
+    let aliased: Vec<_> = dependent
+        .into_iter()
+        .map(|(_, relation)| relation)
+        .collect();
     let mut evaluation = Evaluation {
         model: model.to_string(),
         runs: n,
         p,
-        df_resid: n.saturating_sub(p - dependent.len()),
-        df_pure_error: n - groups,
-        aliased: dependent
-            .into_iter()
-            .map(|(_, relation)| relation)
-            .collect(),
+        df_resid: n.saturating_sub(p - aliased.len()),
+        df_pure_error: n - crate::fit::same_settings(&data).len(),
+        aliased,
         greatest_correlation: greatest_correlation(&matrix),
         condition: None,
         vif: NamedValues::default(),
@@ -128,34 +129,20 @@ pub fn evaluate(design: &Design, model: &Model, over: Over<'_>) -> Result<Evalua
     evaluation.leverage.clone_from(&solved.leverages);
     let covariance = matrix.model_block(&solved.xtx_inverse);
     let (variances, corners) = variances(model, &covariance, over);
-    let greatest = variances
-        .iter()
-        .chain(&corners)
-        .chain(&solved.leverages)
-        .fold(0.0_f64, |m, v| m.max(*v));
-    let log_det: f64 = (0..p)
-        .map(|j| {
-            let length: f64 = matrix.rows.iter().map(|r| r[j] * r[j]).sum();
-            2.0 * solved.triangle[j][j].abs().ln() + length.ln()
-        })
-        .sum();
-    let trace: f64 = (0..p).map(|j| solved.xtx_inverse[j][j]).sum();
-    let (runs, terms) = (n as f64, p as f64);
+    let all = variances.iter().chain(&corners).chain(&solved.leverages);
+    let greatest = all.fold(0.0_f64, |m, v| m.max(*v));
     evaluation.efficiency = Some(Efficiency {
-        d_pct: 100.0 * (log_det / terms).exp() / runs,
-        a_pct: 100.0 * terms / (runs * trace),
-        g_pct: 100.0 * terms / (runs * greatest),
         mean_variance: match over {
             Over::Box(_) => mean_variance(model, &covariance),
             Over::Points(_) => variances.iter().sum::<f64>() / variances.len() as f64,
         },
+        ..efficiency(&matrix, &solved, greatest)
     });
     let place = |i: usize| ((variances.len() - 1) * i) / 20;
     let shares = (0..20).map(|i| variances[place(i)]);
     evaluation.variance_by_share = shares.chain([greatest]).collect();
     evaluation.power = powers(model, &matrix, &solved.xtx_inverse, n - p);
-    evaluation.alias =
-        crate::selection::alias::of_matrix(model, &matrix, &data, &solved.xtx_inverse);
+    evaluation.alias = alias::of_matrix(model, &matrix, &data, &solved.xtx_inverse);
     Ok(evaluation)
 }
 
@@ -251,6 +238,24 @@ fn powers(model: &Model, matrix: &Matrix, c: &[Vec<f64>], df: usize) -> NamedVal
         )
     };
     (matrix.first()..matrix.names.len()).map(row).collect()
+}
+
+/// Efficiencies of a design by its matrix and the greatest variance of a prediction, which leaves the mean variance 0.
+fn efficiency(matrix: &Matrix, solved: &LeastSquares, greatest: f64) -> Efficiency {
+    let (n, p) = (matrix.rows.len(), matrix.names.len());
+    let log_of_term = |j: usize| {
+        let length: f64 = matrix.rows.iter().map(|r| r[j] * r[j]).sum();
+        2.0 * solved.triangle[j][j].abs().ln() + length.ln()
+    };
+    let log_det: f64 = (0..p).map(log_of_term).sum();
+    let trace: f64 = (0..p).map(|j| solved.xtx_inverse[j][j]).sum();
+    let (runs, terms) = (n as f64, p as f64);
+    Efficiency {
+        d_pct: 100.0 * (log_det / terms).exp() / runs,
+        a_pct: 100.0 * terms / (runs * trace),
+        g_pct: 100.0 * terms / (runs * greatest),
+        mean_variance: 0.0,
+    }
 }
 
 #[cfg(test)]

@@ -110,23 +110,7 @@ impl Fit {
         let covariance = self
             .error_variance(ErrorSource::Residual)
             .map(|e| DMatrix::from_fn(terms.len(), terms.len(), |i, j| e.variance * inverse[i][j]));
-        // Q of the variance that the factors in `set` make.
-        let form = |set: &dyn Fn(usize) -> bool| {
-            DMatrix::from_fn(terms.len(), terms.len(), |i, j| {
-                let (a, b) = (&terms[i], &terms[j]);
-                let (mut together, mut apart) = (1.0, 1.0);
-                for (g, (_, spread)) in spreads.iter().enumerate() {
-                    let means = spread.mean(a, None) * spread.mean(b, None);
-                    together *= if set(g) {
-                        spread.mean(a, Some(b))
-                    } else {
-                        means
-                    };
-                    apart *= means;
-                }
-                together - apart
-            })
-        };
+        let form = |set: &dyn Fn(usize) -> bool| variance_form(terms, spreads, set);
         let part = |q: &DMatrix<f64>| {
             let noise = covariance.as_ref().map(|s| (q * s).trace());
             (coefficients.dot(&(q * &coefficients)), noise)
@@ -168,6 +152,28 @@ impl Fit {
             pairs: pairs.into_iter().collect(),
         })
     }
+}
+
+/// The matrix Q with which coefficients b have the variance b'Q b that the factors in `set` make over their spreads.
+fn variance_form(
+    terms: &[Term],
+    spreads: &[(String, Spread)],
+    set: &dyn Fn(usize) -> bool,
+) -> DMatrix<f64> {
+    DMatrix::from_fn(terms.len(), terms.len(), |i, j| {
+        let (a, b) = (&terms[i], &terms[j]);
+        let (mut together, mut apart) = (1.0, 1.0);
+        for (g, (_, spread)) in spreads.iter().enumerate() {
+            let means = spread.mean(a, None) * spread.mean(b, None);
+            together *= if set(g) {
+                spread.mean(a, Some(b))
+            } else {
+                means
+            };
+            apart *= means;
+        }
+        together - apart
+    })
 }
 
 #[cfg(test)]

@@ -260,20 +260,13 @@ fn script(
     time_step: f64,
 ) -> Result<String, Error> {
     let (radius, half) = (0.5 * drum.inner_diameter.si(), 0.5 * drum.width.si());
-    let seed = &scene.seed[0].material;
-    let [pair, shell, cover] = [seed, &drum.shell, &drum.cover]
+    let [pair, shell, cover] = [&scene.seed[0].material, &drum.shell, &drum.cover]
         .map(|name| contact(scene, bodies, name).map(|c| words(scene, bodies, &c)));
     let (pair, shell, cover) = (pair?, shell?, cover?);
-    let longest = bodies
-        .iter()
-        .map(|b| b.clump.bounding_radius())
-        .fold(0.0, f64::max);
-    let smallest = bodies[0]
-        .clump
-        .spheres()
-        .iter()
-        .map(|s| s.radius)
-        .fold(f64::INFINITY, f64::min);
+    let radii = bodies.iter().map(|b| b.clump.bounding_radius());
+    let longest = radii.fold(0.0, f64::max);
+    let radii = bodies[0].clump.spheres().iter().map(|s| s.radius);
+    let smallest = radii.fold(f64::INFINITY, f64::min);
     let settle = steps(scene.protocol.settle_limit.si(), time_step);
     let down = drum.tilt.map_or(0.0, input::quantity::Angle::si);
     // Plain spheres move by themselves; spheres of a seed move with it.

@@ -217,16 +217,15 @@ fn script(
     let smallest = outer.map(|s| s.radius).fold(f64::INFINITY, f64::min);
     let down = drum.tilt.map_or(0.0, input::quantity::Angle::si);
     let [shapes, first, how] = match start {
-        Start::Rain(seed) => [
-            rain(scene, bodies, (steps(INSERTION, time_step), ""), seed),
-            String::new(),
-            "The seeds rain into the turning drum.".into(),
-        ],
-        Start::Frame(frame) => [
-            placed(bodies, frame),
-            put(frame),
-            format!("The seeds are where they were after {} s.", frame.time),
-        ],
+        Start::Rain(seed) => {
+            let shapes = rain(scene, bodies, (steps(INSERTION, time_step), ""), seed);
+            let how = "The seeds rain into the turning drum.";
+            [shapes, String::new(), how.into()]
+        }
+        Start::Frame(frame) => {
+            let how = format!("The seeds are where they were after {} s.", frame.time);
+            [placed(bodies, frame), put(frame), how]
+        }
     };
     Ok(format!(
         "# {} seeds in a drum of {} mm, written from {}.\n\
@@ -238,7 +237,7 @@ fn script(
          boundary f f f\n\
          newton off\n\
          communicate single vel yes\n\
-         hard_particles yes\n{soft}\
+         hard_particles yes\n{}\
          region box block {low} {high} {low} {high} {} {} units box\n\
          create_box 3 box\n\
          neighbor {smallest:e} bin\n\
@@ -253,6 +252,7 @@ fn script(
         scene.seed_count(),
         2e3 * radius,
         scene.file,
+        ["", "soft_particles yes\n"][usize::from(law.is_soft)],
         -1.2 * half,
         1.2 * half,
         scene.model.gravity_m_s2,
@@ -260,11 +260,6 @@ fn script(
         down.sin(),
         low = -1.6 * radius,
         high = 1.6 * radius,
-        soft = if law.is_soft {
-            "soft_particles yes\n"
-        } else {
-            ""
-        },
         properties = law.properties,
         model = law.model,
         settings = law.settings,

@@ -38,21 +38,17 @@ impl PointArrays<'_> {
         if n == 0 {
             return Ok(Moment::default());
         }
-        let (sizes, half) = match find(&["radius"], 1) {
-            Some(radii) => (radii, 1.0),
-            None => (
-                find(&["diameter"], 1).ok_or_else(|| {
-                    let what = "there is no array 'radius' or 'diameter'";
-                    // A dump of spheres that ends too early has points alone.
-                    if self.has_faces {
-                        other(what)
-                    } else {
-                        missing(what)
-                    }
-                })?,
-                0.5,
-            ),
-        };
+        let radii = find(&["radius"], 1).map(|radii| (radii, 1.0));
+        let sizes = radii.or_else(|| Some((find(&["diameter"], 1)?, 0.5)));
+        let (sizes, half) = sizes.ok_or_else(|| {
+            let what = "there is no array 'radius' or 'diameter'";
+            // A dump of spheres that ends too early has points alone.
+            if self.has_faces {
+                other(what)
+            } else {
+                missing(what)
+            }
+        })?;
         let velocities = find(&["velocity", "v"], 3);
         let bodies = find(&["body", "mol", "id_multisphere"], 1);
         let whole =
@@ -70,14 +66,8 @@ impl PointArrays<'_> {
                     "point {k} has radius {radius}, it must be above 0"
                 )));
             }
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "a number of a seed; it chooses a colour and nothing else"
-            )]
-            let body = bodies.map_or(k, |b| b[k].max(0.0) as usize);
             Ok(BedSphere {
-                body,
+                body: bodies.map_or(k, |b| number_of_body(b[k])),
                 sphere: Sphere {
                     centre: vector(points, k),
                     radius,
@@ -121,6 +111,40 @@ impl PointArrays<'_> {
         self.arrays.push((name, components, line, values));
         Ok(rest)
     }
+
+    /// Adds the arrays of a FIELD from the words after its head, so many of them; gives the words that follow.
+    fn add_field<'w>(
+        &mut self,
+        line: usize,
+        arrays: usize,
+        mut words: &'w [(usize, &'w str)],
+    ) -> Result<&'w [(usize, &'w str)], Error> {
+        for _ in 0..arrays {
+            let at = |k: usize| words.get(k).map_or("", |(_, word)| *word);
+            let size = |k: usize| {
+                at(k).parse::<usize>().map_err(|_| Error::Positions {
+                    file: self.file.to_owned(),
+                    line,
+                    what: "an array of a FIELD must state its size".into(),
+                })
+            };
+            let (name, components, tuples) = (at(0), size(1)?, size(2)?);
+            let values = words.get(4..).unwrap_or(&[]);
+            let total = components.saturating_mul(tuples);
+            words = self.add((name, components, line), total, values)?;
+        }
+        Ok(words)
+    }
+}
+
+/// The number of a body from its value in an array; those below 0 count as 0.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "it chooses a colour and nothing else"
+)]
+fn number_of_body(value: f64) -> usize {
+    value.max(0.0) as usize
 }
 
 /// The words of a text, each with its line from 1.
@@ -142,15 +166,9 @@ pub(crate) fn read_legacy(text: &str, file: &str) -> Result<Moment, Error> {
         line,
         what: what.to_owned(),
     };
-    if text
-        .lines()
-        .nth(2)
-        .is_none_or(|line| line.trim() != "ASCII")
-    {
-        return Err(wrong(
-            3,
-            "the third line must be ASCII: write the file in ASCII form",
-        ));
+    if text.lines().nth(2).map(str::trim) != Some("ASCII") {
+        let what = "the third line must be ASCII: write the file in ASCII form";
+        return Err(wrong(3, what));
     }
     // The second line is a title, which may hold anything.
     let all = words_of(text);
@@ -163,6 +181,7 @@ pub(crate) fn read_legacy(text: &str, file: &str) -> Result<Moment, Error> {
     let (mut n, mut of_points) = (0, true);
     while let [(line, keyword), rest @ ..] = words {
         let word = |k: usize| rest.get(k).map_or("", |(_, word)| *word);
+        let after = |k: usize| rest.get(k..).unwrap_or(&[]);
         let count = |k: usize| {
             let number = word(k).parse::<usize>();
             number.map_err(|_| wrong(*line, &format!("a count must follow {keyword}")))
@@ -170,11 +189,7 @@ pub(crate) fn read_legacy(text: &str, file: &str) -> Result<Moment, Error> {
         words = match *keyword {
             "POINTS" => {
                 n = count(0)?;
-                arrays.add(
-                    ("points", 3, *line),
-                    n.saturating_mul(3),
-                    rest.get(2..).unwrap_or(&[]),
-                )?
+                arrays.add(("points", 3, *line), n.saturating_mul(3), after(2))?
             }
             "POLYGONS" | "LINES" | "TRIANGLE_STRIPS" | "CELLS" => {
                 arrays.has_faces = true;
@@ -182,38 +197,19 @@ pub(crate) fn read_legacy(text: &str, file: &str) -> Result<Moment, Error> {
             }
             "POINT_DATA" | "CELL_DATA" => {
                 of_points = *keyword == "POINT_DATA";
-                rest.get(1..).unwrap_or(&[])
+                after(1)
             }
             "SCALARS" if of_points => {
                 let components = count(2).unwrap_or(1);
                 let table = rest.iter().position(|(_, w)| *w == "LOOKUP_TABLE");
-                let after = table.map_or(2, |at| at + 2);
-                arrays.add(
-                    (word(0), components, *line),
-                    components.saturating_mul(n),
-                    rest.get(after..).unwrap_or(&[]),
-                )?
+                let values = after(table.map_or(2, |at| at + 2));
+                let total = components.saturating_mul(n);
+                arrays.add((word(0), components, *line), total, values)?
             }
-            "VECTORS" if of_points => arrays.add(
-                (word(0), 3, *line),
-                n.saturating_mul(3),
-                rest.get(2..).unwrap_or(&[]),
-            )?,
-            "FIELD" if of_points => {
-                let mut after = rest.get(2..).unwrap_or(&[]);
-                for _ in 0..count(1)? {
-                    let at = |k: usize| after.get(k).map_or("", |(_, word)| *word);
-                    let size = |k: usize| {
-                        let number = at(k).parse::<usize>();
-                        number.map_err(|_| wrong(*line, "an array of a FIELD must state its size"))
-                    };
-                    let (components, tuples) = (size(1)?, size(2)?);
-                    let (name, values) = (at(0).to_owned(), after.get(4..).unwrap_or(&[]));
-                    let total = components.saturating_mul(tuples);
-                    after = arrays.add((&name, components, *line), total, values)?;
-                }
-                after
+            "VECTORS" if of_points => {
+                arrays.add((word(0), 3, *line), n.saturating_mul(3), after(2))?
             }
+            "FIELD" if of_points => arrays.add_field(*line, count(1)?, after(2))?,
             // Cells, and what belongs to them: numbers until the next keyword.
             _ => rest,
         };

@@ -7,7 +7,7 @@ use crate::numbers::{
 };
 use crate::open_words::open_in_words;
 use crate::pictures::solution_charts::{misfit, pair, pairs};
-use inference::{FitTest, JointEstimate};
+use inference::{Calibration, FitTest, JointEstimate};
 use report::{Column, Table, counted};
 
 /// Adds both sections.
@@ -139,6 +139,19 @@ fn solutions(page: &mut Page<'_>) -> Result<(), Error> {
     page.report
         .subsection("The set of solutions")
         .paragraph(&said);
+    let table = table_of_solutions(found)?;
+    page.table(&table);
+    page.chart(
+        misfit(page.input)?.as_ref(),
+        "Root of the sum of squares of z over the last box, by the surfaces of the measurements of the fit and the \
+         priors; high walls are cut. A valley is a combination that is left open.",
+    )?;
+    pairs_of_parameters(page)
+}
+
+/// Extent of the set along each parameter, and its separate best points.
+fn table_of_solutions(found: &Calibration) -> Result<Table, Error> {
+    let set = &found.solutions;
     let names = (1..=set.separate.len()).map(|k| Column::number(format!("solution {k}")));
     let mut columns = vec![
         Column::text("parameter"),
@@ -161,12 +174,12 @@ fn solutions(page: &mut Page<'_>) -> Result<(), Error> {
         row.extend(points.map(|point| unit(point.get(j).copied())));
         table.row(row)?;
     }
-    page.table(&table);
-    page.chart(
-        misfit(page.input)?.as_ref(),
-        "Root of the sum of squares of z over the last box, by the surfaces of the measurements of the fit and the \
-         priors; high walls are cut. A valley is a combination that is left open.",
-    )?;
+    Ok(table)
+}
+
+/// A chart of each pair of parameters, of which the reader chooses one.
+fn pairs_of_parameters(page: &mut Page<'_>) -> Result<(), Error> {
+    let found = page.input.calibration;
     let mut charts = Vec::new();
     for [a, b] in pairs(page.input) {
         let Some(chart) = pair(page.input, [a, b]) else {

@@ -53,39 +53,37 @@ impl StudyFile {
         self.effect.iter().for_each(|effect| effect.check(problems));
         refuse_twice(&mut self.effect, |e| (&e.name, &e.path), problems);
         let of_command = self.is_of_command();
-        self.parameter
-            .iter_mut()
-            .for_each(|p| p.check(of_command, problems));
+        for parameter in &mut self.parameter {
+            parameter.check(of_command, problems);
+        }
         let inputs = self.input.iter();
         let inputs = inputs
             .filter_map(|input| input.parameter(of_command, problems))
             .collect();
-        // Of a condition that could not be read nothing is left, and what it was measured at is not known.
-        let lost = |path: &str, condition: &BTreeMap<String, String>| {
+        self.take_out_lost_conditions(problems);
+        self.measured.iter().for_each(|entry| entry.check(problems));
+        let candidates = self.candidate.iter().flatten();
+        candidates.for_each(|candidate| candidate.check(problems));
+        self.parameter.extend(complete(self, inputs, problems));
+        if let Some(coarse) = &mut self.coarse_graining {
+            let names: Vec<_> = self.scene.iter().map(|s| s.name.as_str()).collect();
+            coarse.check(&names, problems);
+        }
+        self.check_tables(problems);
+    }
+
+    /// Takes out measurements and candidates whose condition could not be read: what they were measured at is not known.
+    fn take_out_lost_conditions(&mut self, problems: &Problems) {
+        let is_lost = |path: &str, condition: &BTreeMap<String, String>| {
             let stated = problems.document.value(&below(path, "condition"));
             let is_empty = stated
                 .and_then(Value::as_table)
                 .is_some_and(Table::is_empty);
             condition.is_empty() && stated.is_some() && !is_empty
         };
-        self.measured.retain(|m| !lost(&m.path, &m.condition));
+        self.measured.retain(|m| !is_lost(&m.path, &m.condition));
         let candidates = self.candidate.iter_mut();
-        candidates.for_each(|all| all.retain(|c| !lost(&c.path, &c.condition)));
-        self.measured.iter().for_each(|entry| entry.check(problems));
-        self.candidate
-            .iter()
-            .flatten()
-            .for_each(|candidate| candidate.check(problems));
-        self.parameter.extend(complete(self, inputs, problems));
-        if let Some(coarse) = &mut self.coarse_graining {
-            let names = self
-                .scene
-                .iter()
-                .map(|s| s.name.as_str())
-                .collect::<Vec<_>>();
-            coarse.check(&names, problems);
-        }
-        self.check_tables(problems);
+        candidates.for_each(|all| all.retain(|c| !is_lost(&c.path, &c.condition)));
     }
 
     /// Refuses keys that belong to another kind of simulator.

@@ -265,7 +265,19 @@ fn diagnostics(report: &Report<'_>, charts: &mut Vec<Named>) -> anyhow::Result<(
         let chart = view(axis, &|c| factor.natural(c.coded[j]))?;
         charts.push((format!("residuals-{}", factor.symbol()), chart));
     }
-    let mut sorted: Vec<(&Case, f64)> = studentised.clone();
+    charts.push(("normal".to_owned(), normal_plot(studentised, residual)?));
+    let points = numbered(
+        fit.cases.iter().map(|c| (c.run, [c.actual, c.fitted])),
+        None,
+    );
+    let line = straight(&points, 0.0, 1.0);
+    let comparison = scatter(AxisTitle::new(response, ""), fitted, points, Vec::new());
+    charts.push(("fitted-actual".to_owned(), comparison.with(line).draw()?));
+    influence(fit, &order, charts)
+}
+
+/// Residuals over the quantiles of the normal distribution that belong to their ranks.
+fn normal_plot(mut sorted: Vec<(&Case, f64)>, residual: AxisTitle) -> anyhow::Result<Svg> {
     sorted.sort_by(|a, b| a.1.total_cmp(&b.1));
     let n = sorted.len() as f64;
     let quantile = |i: usize| normal_quantile((i as f64 + 0.5) / n).unwrap_or(0.0);
@@ -275,21 +287,10 @@ fn diagnostics(report: &Report<'_>, charts: &mut Vec<Named>) -> anyhow::Result<(
         None,
     );
     let line = straight(&points, 0.0, 1.0);
-    let normal = scatter(
-        AxisTitle::new("normal quantile", ""),
-        residual.clone(),
-        points,
-        Vec::new(),
-    );
-    charts.push(("normal".to_owned(), normal.with(line).draw()?));
-    let points = numbered(
-        fit.cases.iter().map(|c| (c.run, [c.actual, c.fitted])),
-        None,
-    );
-    let line = straight(&points, 0.0, 1.0);
-    let comparison = scatter(AxisTitle::new(response, ""), fitted, points, Vec::new());
-    charts.push(("fitted-actual".to_owned(), comparison.with(line).draw()?));
-    influence(fit, &order, charts)
+    let quantiles = AxisTitle::new("normal quantile", "");
+    Ok(scatter(quantiles, residual, points, Vec::new())
+        .with(line)
+        .draw()?)
 }
 
 /// Limit beyond which the largest of all residuals lies by chance in 5 % of the fits (Bonferroni), none without degrees

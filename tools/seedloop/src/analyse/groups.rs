@@ -53,6 +53,21 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     }
     let analysis = one_way_decimals(&labels, &values).with_context(place)?;
     let common = &arguments.common;
+    let pairs = analysis.pairs();
+    let text = in_words(&analysis, pairs.as_deref());
+    common.emit_json(&Report {
+        header: Header::new(None, [command_line::table_file::file_of(&arguments.data)])?,
+        response: table.header()[response].clone(),
+        groups: table.header()[group].clone(),
+        analysis,
+        pairs,
+    })?;
+    common.print(text.trim_end())?;
+    Ok(DONE)
+}
+
+/// Means of the groups, the analysis of variance, and the differences of all pairs.
+fn in_words(analysis: &OneWay, pairs: Option<&[PairDifference]>) -> String {
     let means = analysis.means.iter().zip(analysis.counts.values());
     let mut text = String::new();
     for ((name, mean), n) in means {
@@ -72,14 +87,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         "within  {:>16.8e} {:>6}",
         analysis.within_ss, analysis.within_df
     );
-    let pairs = analysis.pairs();
     if pairs.is_some() {
         let _ = writeln!(
             text,
             "pairs, Tukey: difference, 95 % interval and p for all pairs at once"
         );
     }
-    for pair in pairs.iter().flatten() {
+    for pair in pairs.into_iter().flatten() {
         let [low, high] = pair.simultaneous95.map(|end| significant(end, 5));
         let _ = writeln!(
             text,
@@ -89,13 +103,5 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
             probability(Some(pair.p))
         );
     }
-    common.emit_json(&Report {
-        header: Header::new(None, [command_line::table_file::file_of(&arguments.data)])?,
-        response: table.header()[response].clone(),
-        groups: table.header()[group].clone(),
-        analysis,
-        pairs,
-    })?;
-    common.print(text.trim_end())?;
-    Ok(DONE)
+    text
 }

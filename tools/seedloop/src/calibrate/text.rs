@@ -31,6 +31,7 @@ pub(crate) fn plan(study: &Study, price: &Price, threads: usize) -> String {
         counted(problem.models.len(), "model", "models"),
         counted(problem.effects.len(), "effect", "effects")
     );
+    let mut add_line = |line: std::fmt::Arguments<'_>| add(&mut text, format_args!("  {line}\n"));
     for model in &problem.models {
         let symbols = model.parameters.iter();
         let symbols: Vec<&str> = symbols
@@ -40,48 +41,29 @@ pub(crate) fn plan(study: &Study, price: &Price, threads: usize) -> String {
             [] => "no parameter".to_owned(),
             _ => symbols.join(", "),
         };
-        add(
-            &mut text,
-            format_args!("  {}: depends on {on}\n", model.name),
-        );
+        add_line(format_args!("{}: depends on {on}", model.name));
     }
     for (name, scene) in &study.scenes {
-        add(
-            &mut text,
-            format_args!("  scene {name}: {}\n", scene.seeds_in_words()),
-        );
+        add_line(format_args!("scene {name}: {}", scene.seeds_in_words()));
     }
     for series in &study.photos {
         for (name, value) in &series.values {
-            let (mean, sd, n) = (
-                significant(value.mean, 5),
-                significant(value.sd, 3),
-                value.n,
-            );
-            let files = series.files.len();
-            add(
-                &mut text,
-                format_args!("  photos ({files}): {name} {mean} sd {sd} n {n:.1}\n"),
-            );
+            let [mean, sd] = [(value.mean, 5), (value.sd, 3)].map(|(x, n)| significant(x, n));
+            let (files, n) = (series.files.len(), value.n);
+            add_line(format_args!(
+                "photos ({files}): {name} {mean} sd {sd} n {n:.1}"
+            ));
         }
         for remark in series.left_out.iter().chain(&series.remarks) {
-            add(&mut text, format_args!("  photos: {remark}\n"));
+            add_line(format_args!("photos: {remark}"));
         }
     }
     for (effect, reason) in &study.not_applicable {
-        add(
-            &mut text,
-            format_args!("  effect left out: {effect}: {reason}\n"),
-        );
+        add_line(format_args!("effect left out: {effect}: {reason}"));
     }
     for default in &study.defaults {
-        add(
-            &mut text,
-            format_args!(
-                "  not stated: {} = {} ({})\n",
-                default.key, default.value, default.why
-            ),
-        );
+        let (key, value, why) = (&default.key, &default.value, &default.why);
+        add_line(format_args!("not stated: {key} = {value} ({why})"));
     }
     priced(&mut text, price, threads);
     if let Some(why) = &price.cannot_be_met {

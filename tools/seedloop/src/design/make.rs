@@ -41,6 +41,7 @@ impl From<Design> for Made {
 }
 
 /// Makes the design.
+#[allow(clippy::too_many_lines, reason = "each kind has its call here")]
 pub(super) fn make(
     arguments: &Arguments,
     factors: &[Factor],

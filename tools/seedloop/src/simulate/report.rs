@@ -167,37 +167,44 @@ impl Report {
         warnings
     }
 
+    /// How the bed moved, in a line; nothing if it has no regime.
+    fn motion_in_words(&self) -> String {
+        let Some(regime) = &self.regime else {
+            return String::new();
+        };
+        let mut text = format!("regime {regime}");
+        if let Some(motion) = self.motion.as_ref().filter(|m| *m != regime) {
+            add(&mut text, format_args!(", {motion}"));
+        }
+        if let Some(froude) = self.froude_number {
+            add(
+                &mut text,
+                format_args!(", Froude number {}", significant(froude, 4)),
+            );
+        }
+        if let (Some(true), Some(time)) = (self.steady, self.start_up_s) {
+            add(
+                &mut text,
+                format_args!(", steady from {time:.2} s of rotation"),
+            );
+        }
+        if let (Some(error), Some(swing)) = (self.frames.standard_error_deg, self.swing_s) {
+            add(
+                &mut text,
+                format_args!(
+                    ", standard error of angle_deg over time {error:.2} deg (a swing takes {swing:.2} s)"
+                ),
+            );
+        }
+        text.push('\n');
+        text
+    }
+
     /// The observables as a table, and how the run went.
     pub(super) fn text(&self) -> String {
         let mut text = table_of(&self.observables);
         text.push('\n');
-        if let Some(regime) = &self.regime {
-            add(&mut text, format_args!("regime {regime}"));
-            if let Some(motion) = self.motion.as_ref().filter(|m| *m != regime) {
-                add(&mut text, format_args!(", {motion}"));
-            }
-            if let Some(froude) = self.froude_number {
-                add(
-                    &mut text,
-                    format_args!(", Froude number {}", significant(froude, 4)),
-                );
-            }
-            if let (Some(true), Some(time)) = (self.steady, self.start_up_s) {
-                add(
-                    &mut text,
-                    format_args!(", steady from {time:.2} s of rotation"),
-                );
-            }
-            if let (Some(error), Some(swing)) = (self.frames.standard_error_deg, self.swing_s) {
-                add(
-                    &mut text,
-                    format_args!(
-                        ", standard error of angle_deg over time {error:.2} deg (a swing takes {swing:.2} s)"
-                    ),
-                );
-            }
-            text.push('\n');
-        }
+        text += &self.motion_in_words();
         add(&mut text, format_args!("seeds: {}\n", self.seeds));
         let timing = &self.timing;
         let per_step = timing

@@ -170,23 +170,24 @@ impl Probe {
         [self.from.unwrap_or(0.0), self.to.unwrap_or(1.0)]
     }
 
+    /// Refuses a name that is no word with the unit at its end.
+    fn check_name(&self) -> Result<(), Error> {
+        let [_, end] = self.reads.unit();
+        let is_of_word = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+        let is_word = self.name.chars().all(is_of_word);
+        if is_word && self.name.len() > end.len() && self.name.ends_with(end) {
+            return Ok(());
+        }
+        let requirement =
+            format!("small letters, digits and '_', with the unit at the end: ..{end}");
+        let value = format!("{:?}", self.name);
+        Err(bad("apparatus.probe.name", value, &requirement))
+    }
+
     /// Refuses a probe that cannot give a value.
     pub(super) fn check(&self, machine: &Machine) -> Result<(), Error> {
         let name = |key: &str| format!("apparatus.probe '{}': {key}", self.name);
-        let [_, end] = self.reads.unit();
-        let is_word = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
-        if !(self.name.ends_with(end)
-            && self.name.len() > end.len()
-            && self.name.chars().all(is_word))
-        {
-            let requirement =
-                format!("small letters, digits and '_', with the unit at the end: ..{end}");
-            return Err(bad(
-                "apparatus.probe.name",
-                format!("{:?}", self.name),
-                &requirement,
-            ));
-        }
+        self.check_name()?;
         if let Some(along) = self.reads.along() {
             unit(&name("along"), along)?;
         }

@@ -14,7 +14,7 @@
 //! | seeds that appear over time | `fix deposit` |
 
 use super::motion::Lammps;
-use super::regions::{Regions, constant_turn, regions, spin_of};
+use super::regions::{Region, Regions, constant_turn, regions, spin_of};
 use super::{
     GranularContact, TOOL, contact, data, dump_columns, rigid_bodies, surface_atoms, words_with,
 };
@@ -169,47 +169,47 @@ fn walls(deck: &BenchDeck<'_>, regions: &Regions, seed_number: u64) -> Result<St
         ),
     );
     for (k, wall) in deck.procedure.walls.iter().enumerate() {
-        let (id, law) = (&deck.ids[k], law(&wall.material, true)?);
-        let moves = deck.motions_of(k).next().is_some();
-        if moves {
-            let first = |d: &str| format!("variable {d}_{id} equal 0.0\n");
-            text.extend(["dx", "dy", "dz", "turn"].map(first));
-        }
-        let is_spun = deck.motions_of(k).any(|motion| motion.spin.norm() > 0.0);
-        let mut sums = [String::new(), String::new(), String::new()];
-        for (part, (shape, turn)) in regions[k].iter().enumerate() {
-            let name = format!("{id}_{}", part + 1);
-            let (shape, constant) = constant_turn(shape, turn.is_some(), &name);
-            let way = if moves {
-                format!(" move v_dx_{id} v_dy_{id} v_dz_{id}")
-            } else {
-                String::new()
-            };
-            let spin = if is_spun {
-                spin_of(deck, k)
-            } else {
-                String::new()
-            };
-            add(
-                &mut text,
-                format_args!(
-                    "{constant}region at_{name} {shape}{way}{spin}\n\
-                     fix wall_{name} all wall/gran/region granular {law} region at_{name} contacts\n\
-                     compute push_{name} all reduce sum f_wall_{name}[2] f_wall_{name}[3] f_wall_{name}[4]\n"
-                ),
-            );
-            for (k, sum) in sums.iter_mut().enumerate() {
-                add(sum, format_args!("-c_push_{name}[{}]", k + 1));
-            }
-        }
-        for (axis, sum) in AXES.iter().zip(sums) {
-            add(
-                &mut text,
-                format_args!("variable f{axis}_{id} equal 0.0{sum}\n"),
-            );
-        }
+        text += &wall_of(deck, k, &regions[k], &law(&wall.material, true)?);
     }
     Ok(text)
+}
+
+/// Wall k by its regions, with the variables of its way and of the force on it.
+fn wall_of(deck: &BenchDeck<'_>, k: usize, regions: &[Region], law: &str) -> String {
+    let (id, mut text) = (&deck.ids[k], String::new());
+    let mut way = String::new();
+    if deck.motions_of(k).next().is_some() {
+        let first = |d: &str| format!("variable {d}_{id} equal 0.0\n");
+        text.extend(["dx", "dy", "dz", "turn"].map(first));
+        way = format!(" move v_dx_{id} v_dy_{id} v_dz_{id}");
+    }
+    let mut spin = String::new();
+    if deck.motions_of(k).any(|motion| motion.spin.norm() > 0.0) {
+        spin = spin_of(deck, k);
+    }
+    let mut sums = [String::new(), String::new(), String::new()];
+    for (part, (shape, turn)) in regions.iter().enumerate() {
+        let name = format!("{id}_{}", part + 1);
+        let (shape, constant) = constant_turn(shape, turn.is_some(), &name);
+        add(
+            &mut text,
+            format_args!(
+                "{constant}region at_{name} {shape}{way}{spin}\n\
+                 fix wall_{name} all wall/gran/region granular {law} region at_{name} contacts\n\
+                 compute push_{name} all reduce sum f_wall_{name}[2] f_wall_{name}[3] f_wall_{name}[4]\n"
+            ),
+        );
+        for (k, sum) in sums.iter_mut().enumerate() {
+            add(sum, format_args!("-c_push_{name}[{}]", k + 1));
+        }
+    }
+    for (axis, sum) in AXES.iter().zip(sums) {
+        add(
+            &mut text,
+            format_args!("variable f{axis}_{id} equal 0.0{sum}\n"),
+        );
+    }
+    text
 }
 
 /// Spring (N/m) and dashpot (N s/m) of rolling in a bench.

@@ -13,7 +13,10 @@ use scene::Surface;
 const FLAT: f64 = 1e-6;
 
 /// The regions of each wall, as the words behind `region NAME`, and the axis and angle by which they are turned.
-pub(super) type Regions = Vec<Vec<(String, Option<(Vector3<f64>, f64)>)>>;
+pub(super) type Regions = Vec<Vec<Region>>;
+
+/// Shape of a part of a wall in the words of the deck, and the axis and angle by which it is turned.
+pub(super) type Region = (String, Option<(Vector3<f64>, f64)>);
 
 fn missing(what: String, way_out: &'static str) -> Error {
     Error::NotThere {

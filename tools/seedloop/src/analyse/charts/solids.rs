@@ -131,16 +131,46 @@ fn surface_texts(grid: &Grid, place: impl Fn(f64, f64, f64) -> [f64; 2]) -> Vec<
     ]
 }
 
+/// Place of a corner of the cube on the paper; bit j of its number is the end of edge j.
+fn corner_of_cube(corner: usize) -> [f64; 2] {
+    let bit = |axis: usize| f64::from(u8::from(corner >> axis & 1 == 1));
+    [
+        140.0 + 230.0 * bit(0) + 130.0 * bit(2),
+        80.0 + 230.0 * bit(1) + 85.0 * bit(2),
+    ]
+}
+
+/// The marker of a corner, coloured by a share of the range of all, and its value as text.
+fn marks_of_corner(corner: usize, value: f64, share: f64) -> [Mark; 2] {
+    let [x, y] = corner_of_cube(corner);
+    let (is_right, is_front) = (corner & 1 == 1, corner & 4 == 0);
+    let (anchor, aside) = if is_right {
+        (Anchor::Start, 9.0)
+    } else {
+        (Anchor::End, -9.0)
+    };
+    let marker = Mark::Points {
+        name: String::new(),
+        shape: Shape::Circle,
+        fill: colour::sequential(share),
+        rim: colour::INK.to_owned(),
+        points: vec![PlotPoint::new(x, y)],
+    };
+    let text = Mark::Text {
+        place: [x, y],
+        shift: [aside, if is_front { 12.0 } else { -12.0 }],
+        text: significant(value, 4),
+        anchor,
+        bold: true,
+        turn: 0.0,
+    };
+    [marker, text]
+}
+
 /// Responses at the corners of a cube whose edges are three factors, each with its ends in words: to the right, upwards and away from
 /// the reader. The first factor changes fastest, its low end first.
 pub(super) fn cube(edges: &[String; 3], response: &AxisTitle, values: [f64; 8]) -> Plot {
-    let place = |corner: usize| {
-        let bit = |axis: usize| f64::from(u8::from(corner >> axis & 1 == 1));
-        [
-            140.0 + 230.0 * bit(0) + 130.0 * bit(2),
-            80.0 + 230.0 * bit(1) + 85.0 * bit(2),
-        ]
-    };
+    let place = corner_of_cube;
     let line = |corner: usize, axis: usize| {
         let other = corner | 1 << axis;
         let ends = vec![place(corner), place(other)];
@@ -157,31 +187,8 @@ pub(super) fn cube(edges: &[String; 3], response: &AxisTitle, values: [f64; 8]) 
             .map(move |axis| line(corner, axis))
     });
     let share = shares(&values);
-    let corners = values.iter().enumerate().flat_map(|(corner, &value)| {
-        let [x, y] = place(corner);
-        let (right, front) = (corner & 1 == 1, corner & 4 == 0);
-        let (anchor, aside) = if right {
-            (Anchor::Start, 9.0)
-        } else {
-            (Anchor::End, -9.0)
-        };
-        let marker = Mark::Points {
-            name: String::new(),
-            shape: Shape::Circle,
-            fill: colour::sequential(share(value)),
-            rim: colour::INK.to_owned(),
-            points: vec![PlotPoint::new(x, y)],
-        };
-        let text = Mark::Text {
-            place: [x, y],
-            shift: [aside, if front { 12.0 } else { -12.0 }],
-            text: significant(value, 4),
-            anchor,
-            bold: true,
-            turn: 0.0,
-        };
-        [marker, text]
-    });
+    let each = values.iter().enumerate();
+    let corners = each.flat_map(|(corner, &value)| marks_of_corner(corner, value, share(value)));
     let middle = |a: usize, b: usize| {
         let ([ax, ay], [bx, by]) = (place(a), place(b));
         [0.5 * (ax + bx), 0.5 * (ay + by)]
