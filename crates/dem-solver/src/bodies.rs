@@ -76,6 +76,15 @@ pub struct Bodies {
 }
 
 impl Bodies {
+    /// Bytes of the state of one body.
+    pub(crate) const BYTES_OF_EACH: usize = size_of::<usize>()
+        + 4 * size_of::<Vector3<f64>>()
+        + size_of::<UnitQuaternion<f64>>()
+        + size_of::<Matrix3<f64>>()
+        + size_of::<[f32; 9]>()
+        + size_of::<Load>()
+        + 2 * size_of::<f32>();
+
     /// Number of bodies.
     pub fn len(&self) -> usize {
         self.position.len()

@@ -16,6 +16,8 @@ pub struct Census {
     pub touching_pairs: usize,
     /// Touching pairs of spheres.
     pub sphere_contacts: usize,
+    /// Bytes of the lists that a step reads.
+    pub bytes: usize,
     /// Lists rebuilt since the start.
     pub rebuilds: u64,
     /// Lists looked at since the start.
@@ -29,6 +31,7 @@ impl AddAssign for Census {
         self.chunks += other.chunks;
         self.touching_pairs += other.touching_pairs;
         self.sphere_contacts += other.sphere_contacts;
+        self.bytes += other.bytes;
         self.rebuilds += other.rebuilds;
         self.checks += other.checks;
     }

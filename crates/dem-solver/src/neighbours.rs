@@ -251,12 +251,20 @@ impl Neighbours {
     /// Sizes of the lists.
     pub(crate) fn census(&self) -> Census {
         let count = |test: &dyn Fn(&Lists) -> bool| self.lists.iter().filter(|l| test(l)).count();
+        let body_pairs = self.lists.len();
+        let pairs_with_candidates = count(&|l| l.n_candidates > 0);
+        let chunks = self.lists.iter().map(|l| l.n_chunks() as usize).sum();
         Census {
-            body_pairs: self.lists.len(),
-            pairs_with_candidates: count(&|l| l.n_candidates > 0),
-            chunks: self.lists.iter().map(|l| l.n_chunks() as usize).sum(),
+            body_pairs,
+            pairs_with_candidates,
+            chunks,
             touching_pairs: count(&|l| l.n_touches > 0),
             sphere_contacts: self.touches.len(),
+            // The other body and the travel of each pair; the rest of those that are awake.
+            bytes: body_pairs * (size_of::<u32>() + size_of::<f32>())
+                + pairs_with_candidates * size_of::<Lists>()
+                + chunks * size_of::<Chunk>()
+                + self.touches.len() * size_of::<SphereContact>(),
             rebuilds: self.n_rebuilds,
             checks: self.n_checks,
         }

@@ -601,6 +601,12 @@ impl World {
         total
     }
 
+    /// Bytes that a step reads, each once: the lists of pairs and the state of the bodies. Lists at walls and the shapes of the
+    /// bodies, which stay in the cache, are left out.
+    pub fn bytes_of_step(&self) -> usize {
+        self.census().bytes + self.bodies.len() * Bodies::BYTES_OF_EACH
+    }
+
     /// Number of touching spheres at all walls.
     pub fn n_wall_contacts(&self) -> usize {
         let analytic: usize = self.parts.iter().map(Part::n_wall_contacts).sum();

@@ -25,6 +25,8 @@ pub(crate) struct Row {
     pub(crate) cpu_s_per_simulated_s: f64,
     /// Of the process; none if it has done other things before.
     pub(crate) peak_memory_mib: Option<f64>,
+    /// Bytes of lists and bodies that a step reads, each once; none for other codes.
+    pub(crate) bytes_of_step: Option<usize>,
     /// Direction of the centre of mass from straight down at the end, deg.
     pub(crate) centre_of_mass_deg: f64,
     /// Kinetic energy of translation at the end, uJ.
@@ -101,6 +103,7 @@ pub(crate) fn measure_world(
         sphere_steps_per_s: 0.0,
         cpu_s_per_simulated_s: 0.0,
         peak_memory_mib: Some(peak_memory_mib()?),
+        bytes_of_step: Some(world.bytes_of_step()),
         centre_of_mass_deg: moment.x.atan2(-moment.y).to_degrees(),
         kinetic_energy_uj: energy * 1e6,
         cost_over_seedloop: None,

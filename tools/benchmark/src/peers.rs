@@ -213,6 +213,7 @@ fn run_peer(
     let mut row = Row {
         code: name.into(),
         contacts: None,
+        bytes_of_step: None,
         peak_memory_mib: samples.last().map(|s| s.1 / 1024.0),
         centre_of_mass_deg: x.atan2(-y).to_degrees(),
         kinetic_energy_uj: energy * 1e6,

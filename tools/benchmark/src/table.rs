@@ -30,13 +30,17 @@ pub(crate) fn of_phases(rows: &[Row]) -> String {
     if rows.iter().all(|row| row.phases.is_none()) {
         return String::new();
     }
-    let head = "| scene | search (us) | contacts (us) | walls of triangles, liquid (us) | motion (us) |\n|---|---|---|---|---|";
+    let head = "| scene | search (us) | contacts (us) | walls of triangles, liquid (us) | motion (us) | read (bytes a body) |\n\
+        |---|---|---|---|---|---|";
     let table = lines(head, rows, |row| {
         let Some(p) = row.phases else {
-            return format!("| {} | - | - | - | - |", row.scene);
+            return format!("| {} | - | - | - | - | - |", row.scene);
         };
+        let read = row
+            .bytes_of_step
+            .map_or("-".into(), |n| (n / row.seeds).to_string());
         format!(
-            "| {} | {:.2} | {:.2} | {:.2} | {:.2} |",
+            "| {} | {:.2} | {:.2} | {:.2} | {:.2} | {read} |",
             row.scene, p.search_us, p.contacts_us, p.triangles_us, p.motion_us
         )
     });

@@ -255,6 +255,9 @@ impl SpherePairs {
             body_pairs: self.len(),
             touching_pairs: touching,
             sphere_contacts: touching,
+            bytes: self.len() * (size_of::<Ends>() + size_of::<f32>())
+                + touching * size_of::<Row>()
+                + self.rolling.len() * size_of::<Vector3<f64>>(),
             ..Census::default()
         }
     }
