@@ -78,7 +78,7 @@ SETS = {
 
 # Sets whose effects were not searched, with the reason.
 LEFT_OUT = {
-    "cellulose spheres in a drum": "two values for two parameters; [calibrated](real-data.md#microcrystalline-cellulose-in-a-drum)",
+    "cellulose spheres in a drum": "two values for two parameters; [calibrated](real-data.md)",
     "plastic spheres in a slot hopper": "[fitted](../fixtures/slot-hopper/README.md); effects would take hours",
 }
 
