@@ -147,77 +147,127 @@ mod tests {
         Vector3::new(-slope * s.abs(), s, 0.0)
     }
 
+    const CUTOFFS: Cutoffs = Cutoffs {
+        skin: 0.3e-3,
+        reach: 0.0,
+        safety: 1e-6,
+    };
+
+    /// Two bodies and the pose of b in the frame of a.
+    struct Pair {
+        a: Vec<OuterSphere>,
+        b: Vec<OuterSphere>,
+        position: Vector3<f64>,
+        rotation: UnitQuaternion<f64>,
+        /// Axis of all turns; each is random if this is `None`.
+        axis: Option<Vector3<f64>>,
+    }
+
+    impl Pair {
+        /// Random bodies from deep overlap to far apart.
+        fn random(stream: &mut Stream) -> Self {
+            let [a, b] = [(); 2].map(|()| body(|| in_box(stream)));
+            let rotation = turn(stream);
+            let away = vector(stream).normalize();
+            Self {
+                a,
+                b,
+                position: away * stream.between(3e-3, 9e-3),
+                rotation,
+                axis: None,
+            }
+        }
+
+        /// A straight rod before a bent one, about as steep as the slope of a patch, which a turn in their plane brings near.
+        fn rods(stream: &mut Stream) -> Self {
+            let rotation = turn(stream);
+            let slope = stream.between(0.3, 1.2) * f64::from(SLOPE);
+            Self {
+                a: body(|| rotation * on_rod(stream, 0.0)),
+                b: body(|| on_rod(stream, slope)),
+                position: rotation * -Vector3::x() * stream.between(3e-3, 9e-3),
+                rotation,
+                axis: Some(rotation * Vector3::z()),
+            }
+        }
+
+        /// The pose of its list, whose pairs of spheres are left in the scratch.
+        fn list(&self, scratch: &mut Scratch) -> Pose {
+            let rotation = self.rotation.to_rotation_matrix().into_inner();
+            let relative = RelativeSingle {
+                rotation: scaled_single(&rotation, 1.0),
+                position: single(&self.position.data.0[0]),
+            };
+            let (i, j) = (Packed::new(&self.a), Packed::new(&self.b));
+            let (reach, patch) =
+                dispatch!(Level::new(), simd => search(simd, &i, &j, &relative, CUTOFFS, scratch));
+            Pose::new(&self.position, &self.rotation, &patch, reach)
+        }
+
+        /// A later pose after a turn about the middle of the patch, or after a motion about a random point.
+        fn moved(
+            &self,
+            pose: &Pose,
+            about_middle: bool,
+            stream: &mut Stream,
+        ) -> (Vector3<f64>, UnitQuaternion<f64>) {
+            let axis = self.axis.unwrap_or_else(|| vector(stream));
+            let more = UnitQuaternion::from_scaled_axis(axis * stream.between(-0.4, 0.4));
+            let (pivot, shift) = if about_middle {
+                (Vector3::from(pose.middle.map(f64::from)), Vector3::zeros())
+            } else {
+                let pivot = self.position + vector(stream) * 4e-3;
+                (pivot, vector(stream) * stream.between(0.0, 0.2e-3))
+            };
+            let position = pivot + more * (self.position - pivot) + shift;
+            (position, more * self.rotation)
+        }
+
+        /// The least gap in a pose of the spheres that are not in a list, m.
+        fn least_gap(
+            &self,
+            position: &Vector3<f64>,
+            rotation: &UnitQuaternion<f64>,
+            list: &[(u16, u16)],
+        ) -> f64 {
+            let mut least = f64::INFINITY;
+            for (k, u) in (0..).zip(&self.a) {
+                for (l, v) in (0..).zip(&self.b) {
+                    if list.binary_search(&(k, l)).is_err() {
+                        let between = position + rotation * v.centre - u.centre;
+                        least = least.min(between.norm() - u.radius - v.radius);
+                    }
+                }
+            }
+            least
+        }
+    }
+
     /// What a list is for: spheres that are not in it have a larger gap than the motion it still covers, however the two bodies
-    /// have moved. Random bodies in poses from deep overlap to far apart; straight rods before bent ones, about as steep as the slope of
-    /// a patch, which a turn in their plane brings near; turns about the middle of the patch, and motions about
-    /// random points. The rounding of single precision is inside the safety
-    /// distance of a micrometre. Some trial comes within a tenth of the skin, or the bound would be of little use.
+    /// have moved. The rounding of single precision is inside the safety distance of a micrometre. Some trial comes within a
+    /// tenth of the skin, or the bound would be of little use.
     #[test]
     fn spheres_outside_the_list_are_farther_than_the_motion_it_covers() {
         let mut stream = Stream::new(3, "pose");
-        let cutoffs = Cutoffs {
-            skin: 0.3e-3,
-            reach: 0.0,
-            safety: 1e-6,
-        };
         let mut scratch = Scratch::default();
         let (mut held, mut closest) = (0, f64::INFINITY);
         for trial in 0..600 {
-            let bent = trial % 2 == 1;
-            let (a, b, rotation) = if bent {
-                let frame = turn(&mut stream);
-                let slope = stream.between(0.3, 1.2) * f64::from(SLOPE);
-                let a = body(|| frame * on_rod(&mut stream, 0.0));
-                (a, body(|| on_rod(&mut stream, slope)), frame)
+            let pair = if trial % 2 == 1 {
+                Pair::rods(&mut stream)
             } else {
-                let [a, b] = [(); 2].map(|()| body(|| in_box(&mut stream)));
-                (a, b, turn(&mut stream))
+                Pair::random(&mut stream)
             };
-            let away = if bent {
-                rotation * -Vector3::x()
-            } else {
-                vector(&mut stream).normalize()
-            };
-            let position = away * stream.between(3e-3, 9e-3);
-            let relative = RelativeSingle {
-                rotation: scaled_single(&rotation.to_rotation_matrix().into_inner(), 1.0),
-                position: single(&position.data.0[0]),
-            };
-            let (i, j) = (Packed::new(&a), Packed::new(&b));
-            let (reach, patch) = dispatch!(Level::new(), simd => search(simd, &i, &j, &relative, cutoffs, &mut scratch));
-            let pose = Pose::new(&position, &rotation, &patch, reach);
+            let pose = pair.list(&mut scratch);
             for motion in 0..12 {
-                let axis = if bent {
-                    rotation * Vector3::z()
-                } else {
-                    vector(&mut stream)
-                };
-                let size = stream.between(-0.4, 0.4);
-                let more = UnitQuaternion::from_scaled_axis(axis * size);
-                let mut pivot = Vector3::from(pose.middle.map(f64::from));
-                let mut shift = Vector3::zeros();
-                if motion % 3 == 0 {
-                    pivot = position + vector(&mut stream) * 4e-3;
-                    shift = vector(&mut stream) * stream.between(0.0, 0.2e-3);
-                }
-                let later = pivot + more * (position - pivot) + shift;
-                let turned = more * rotation;
-                let left = f64::from(pose.left(&later, &turned, cutoffs.safety));
+                let (position, rotation) = pair.moved(&pose, motion % 3 != 0, &mut stream);
+                let left = f64::from(pose.left(&position, &rotation, CUTOFFS.safety));
                 if left <= 0.0 {
                     continue;
                 }
                 held += 1;
-                for (k, u) in a.iter().enumerate() {
-                    for (l, v) in b.iter().enumerate() {
-                        let pair = (u16::try_from(k).unwrap(), u16::try_from(l).unwrap());
-                        if scratch.found.binary_search(&pair).is_err() {
-                            let between = later + turned * v.centre - u.centre;
-                            let gap = between.norm() - u.radius - v.radius;
-                            assert!(gap >= left, "a gap of {gap} m with {left} m left");
-                            closest = closest.min(gap - left);
-                        }
-                    }
-                }
+                let gap = pair.least_gap(&position, &rotation, &scratch.found);
+                assert!(gap >= left, "a gap of {gap} m with {left} m left");
+                closest = closest.min(gap - left);
             }
         }
         assert!(held > 500, "only {held} lists still hold");

@@ -260,29 +260,8 @@ mod tests {
         }
     }
 
-    /// Ten runs of cost 3; one of them is in the folder and took 6 s, so that a cost of 1 takes 2 s.
-    #[test]
-    fn the_price_follows_the_runs_that_are_there() {
-        let requests: Vec<_> = (1..=10).map(|seed| RunRequest::new("m", seed)).collect();
-        let stage = PlannedStage {
-            stage: "surfaces".into(),
-            certain: vec![RunList::once(requests.clone())],
-            further: vec![RunList {
-                times: 5,
-                requests: requests[..1].to_vec(),
-            }],
-        };
-        let stages = [stage];
-        let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(folder.path()).unwrap();
-        let budget = Budget {
-            runs: None,
-            core_hours: Some(18.0 / 3600.0),
-        };
-        let guess = of(&Three, &stages, budget, Some(&store)).unwrap();
-        assert!(!guess.measured);
-        assert!((guess.core_s - 30.0 * SECONDS_PER_COST).abs() < 1e-12);
-        let record = Record::new("three", requests[4].inputs(), 5).unwrap();
+    /// The record of a run that took 6 s of one core.
+    fn record_of_six_seconds(request: &RunRequest) -> Record {
         let details = serde_json::json!({
             "steady": true, "start_up_s": null, "froude_number": null, "last_frame_png_base64": null,
             "frames": {
@@ -299,21 +278,34 @@ mod tests {
                 },
             },
         });
-        let record = record.with_details(details);
-        let spending = Spending::begin(&store).unwrap();
+        let record = Record::new("three", request.inputs(), request.seed);
+        let record = record.expect("a record");
+        record.with_details(details)
+    }
+
+    /// Ten runs of cost 3; one of them is in the folder and took 6 s, so that a cost of 1 takes 2 s.
+    #[test]
+    fn the_price_follows_the_runs_that_are_there() {
+        let requests: Vec<_> = (1..=10).map(|seed| RunRequest::new("m", seed)).collect();
+        let stages = [PlannedStage {
+            stage: "surfaces".into(),
+            certain: vec![RunList::once(requests.clone())],
+            further: vec![RunList {
+                times: 5,
+                requests: requests[..1].to_vec(),
+            }],
+        }];
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path()).unwrap();
+        let budget = Budget {
+            runs: None,
+            core_hours: Some(18.0 / 3600.0),
+        };
+        let guess = of(&Three, &stages, budget, Some(&store)).unwrap();
+        assert!(!guess.measured);
+        assert!((guess.core_s - 30.0 * SECONDS_PER_COST).abs() < 1e-12);
+        let record = record_of_six_seconds(&requests[4]);
         store.put(&record).unwrap();
-        // A thousand threads of which the run kept one busy for 6 s: what they waited rises with the call.
-        let [busy, many] = [1, 1_000_000].map(|n| spending.end(n).unwrap());
-        assert_eq!((busy.core_s, busy.waiting_s), (6.0, Some(0.0)));
-        assert_eq!((busy.phases.total_s(), busy.phases.reading_s), (6.0, 0.75));
-        let waited = many.waiting_s.unwrap();
-        assert!(
-            (waited - (1e6 * many.wall_s - 6.0)).abs() < 1e-6,
-            "{many:?}"
-        );
-        let again = Spending::begin(&store).unwrap().end(1).unwrap();
-        assert_eq!(again.core_s, 6.0);
-        assert_eq!(again.waiting_s, Some(again.wall_s), "no run of this call");
         let price = of(&Three, &stages, budget, Some(&store)).unwrap();
         assert!(price.measured);
         assert_eq!((price.runs, price.core_s), (10, 60.0));
@@ -330,6 +322,27 @@ mod tests {
         assert!(!of(&Three, &stages, budget, Some(&store)).unwrap().measured);
         assert_eq!(core_seconds(&store).unwrap().0, 0.0);
         assert!(file.exists(), "it is left to the run that needs it");
+    }
+
+    /// A run that kept one thread busy for 6 s: what a million threads waited rises with the call. The next call has no run.
+    #[test]
+    fn a_call_spends_what_its_own_runs_took() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path()).unwrap();
+        let spending = Spending::begin(&store).unwrap();
+        let record = record_of_six_seconds(&RunRequest::new("m", 5));
+        store.put(&record).unwrap();
+        let [busy, many] = [1, 1_000_000].map(|n| spending.end(n).unwrap());
+        assert_eq!((busy.core_s, busy.waiting_s), (6.0, Some(0.0)));
+        assert_eq!((busy.phases.total_s(), busy.phases.reading_s), (6.0, 0.75));
+        let waited = many.waiting_s.unwrap();
+        assert!(
+            (waited - (1e6 * many.wall_s - 6.0)).abs() < 1e-6,
+            "{many:?}"
+        );
+        let again = Spending::begin(&store).unwrap().end(1).unwrap();
+        assert_eq!(again.core_s, 6.0);
+        assert_eq!(again.waiting_s, Some(again.wall_s), "no run of this call");
     }
 
     /// 100 runs of 36 s each: a core hour pays for 100 of them, half an hour for 50.

@@ -79,6 +79,11 @@ fn seedloop(folder: &Path, words: &[&str]) -> Output {
         .unwrap()
 }
 
+/// Runs the command with words parted by blanks.
+fn words_in(folder: &Path, words: &str) -> Output {
+    seedloop(folder, &words.split(' ').collect::<Vec<_>>())
+}
+
 /// What was written, as text.
 fn text(bytes: &[u8]) -> &str {
     std::str::from_utf8(bytes).unwrap()

@@ -160,10 +160,7 @@ fn grains(r: &mut Stream, radius: f64, least: f64, most: f64) -> [f64; 2] {
 
 /// All kinds: clean ones, hard ones, hopeless ones.
 pub fn kinds() -> Vec<Kind> {
-    let mut kinds = clean();
-    kinds.extend(hard());
-    kinds.extend(hopeless());
-    kinds
+    [clean(), hard(), harder(), hopeless()].concat()
 }
 
 /// A kind without further treatment.
@@ -219,7 +216,7 @@ fn clean() -> Vec<Kind> {
 
 /// Valid surfaces with troubles.
 fn hard() -> Vec<Kind> {
-    let mut kinds = vec![
+    vec![
         kind("coarse grains", Class::Hard, |r| {
             let scene = plain(r);
             Scene {
@@ -274,20 +271,18 @@ fn hard() -> Vec<Kind> {
                 ..Disturbance::NONE
             })
         }),
+    ]
+}
+
+/// More valid surfaces with troubles.
+fn harder() -> Vec<Kind> {
+    vec![
         kind("axle hub", Class::Hard, |r| {
             troubled(r, |r| Disturbance {
                 hub: r.between(0.05, 0.15),
                 ..Disturbance::NONE
             })
         }),
-    ];
-    kinds.extend(harder());
-    kinds
-}
-
-/// More valid surfaces with troubles.
-fn harder() -> Vec<Kind> {
-    vec![
         kind("back-wall edge", Class::Hard, |r| {
             troubled(r, |r| Disturbance {
                 back_edge: r.between(0.02, 0.1),
@@ -319,30 +314,33 @@ fn harder() -> Vec<Kind> {
         Kind {
             name: "many troubles, JPEG",
             class: Class::Hard,
-            scene: |r| {
-                let scene = troubled(r, |r| Disturbance {
-                    vignette: r.between(0.0, 0.3),
-                    light: [r.between(-0.3, 0.3), r.between(-0.3, 0.3)],
-                    n_reflections: 1,
-                    reflection: r.between(20.0, 80.0),
-                    n_bolts: 6,
-                    hidden: r.between(0.0, 0.1),
-                    shadow: r.between(0.0, 0.3),
-                    n_stuck: 8,
-                    curl: r.between(0.0, 0.15),
-                    n_clutter: 5,
-                    blotches: r.between(0.0, 8.0),
-                    ..Disturbance::NONE
-                });
-                Scene {
-                    grain: grains(r, scene.radius, 0.01, 0.04),
-                    n_dust: 30,
-                    ..scene
-                }
-            },
+            scene: many_troubles,
             finish: Finish::Jpeg,
         },
     ]
+}
+
+/// A scene with a little of most troubles at once.
+fn many_troubles(r: &mut Stream) -> Scene {
+    let scene = troubled(r, |r| Disturbance {
+        vignette: r.between(0.0, 0.3),
+        light: [r.between(-0.3, 0.3), r.between(-0.3, 0.3)],
+        n_reflections: 1,
+        reflection: r.between(20.0, 80.0),
+        n_bolts: 6,
+        hidden: r.between(0.0, 0.1),
+        shadow: r.between(0.0, 0.3),
+        n_stuck: 8,
+        curl: r.between(0.0, 0.15),
+        n_clutter: 5,
+        blotches: r.between(0.0, 8.0),
+        ..Disturbance::NONE
+    });
+    Scene {
+        grain: grains(r, scene.radius, 0.01, 0.04),
+        n_dust: 30,
+        ..scene
+    }
 }
 
 /// Pictures that must not give a number.

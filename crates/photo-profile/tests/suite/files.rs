@@ -257,11 +257,19 @@ fn a_transparent_picture_is_read_as_on_white_paper() {
     assert_eq!(line(&on_white), line(&transparent));
 }
 
-/// A folder in which overlays of a measured and of two refused pictures lie, without any mark but what was drawn, beside what
-/// systems and programs leave there: the two photos are read, one of them grey and one in colours, and everything else is left out
-/// with its reason. A photo named alone is read, an overlay named alone is an error.
-#[test]
-fn only_photos_of_a_folder_are_read() {
+/// Files without a picture that systems and programs leave beside photos.
+const SIDE_FILES: [&str; 6] = [
+    "._a.png",
+    ".DS_Store",
+    "Thumbs.db",
+    "desktop.ini",
+    "a.png.xmp",
+    "a.json",
+];
+
+/// A folder with a grey photo and one in colours, overlays of a measured and of two refused pictures without any mark but what
+/// was drawn, a mask, and side files.
+fn photos_among_other_files() -> PathBuf {
     let folder = folder("side-files");
     let photo = Scene {
         size: 300,
@@ -275,32 +283,34 @@ fn only_photos_of_a_folder_are_read() {
         max_angle_error: 0.1_f64.to_radians(),
         ..settings
     };
-    save(photo.clone(), folder.join("a.png")).unwrap();
-    let colours = DynamicImage::from(photo.clone()).into_rgb8();
-    save(colours, folder.join("b.png")).unwrap();
+    let save = |picture: DynamicImage, name: &str| {
+        save(picture, folder.join(name)).expect("a picture");
+    };
+    save(photo.clone().into(), "a.png");
+    save(
+        DynamicImage::from(photo.clone()).into_rgb8().into(),
+        "b.png",
+    );
+    save(blank.clone().into(), "mask.png");
     for (name, picture, settings) in [
         ("x-001.png", &photo, settings),
         ("x-002.png", &blank, settings),
         ("x-003.png", &photo, strict),
     ] {
-        let reading = measure_image(picture, &settings).unwrap();
-        save(
-            overlay_gray(picture, &reading, &settings),
-            folder.join(name),
-        )
-        .unwrap();
+        let reading = measure_image(picture, &settings).expect("a reading");
+        save(overlay_gray(picture, &reading, &settings).into(), name);
     }
-    save(blank, folder.join("mask.png")).unwrap();
-    for name in [
-        "._a.png",
-        ".DS_Store",
-        "Thumbs.db",
-        "desktop.ini",
-        "a.png.xmp",
-        "a.json",
-    ] {
-        std::fs::write(folder.join(name), "no picture").unwrap();
+    for name in SIDE_FILES {
+        std::fs::write(folder.join(name), "no picture").expect("a file");
     }
+    folder
+}
+
+/// The two photos are read, and everything else is left out with its reason. A photo named alone is read, an overlay named
+/// alone is an error.
+#[test]
+fn only_photos_of_a_folder_are_read() {
+    let folder = photos_among_other_files();
     let find = |photos: &[PathBuf]| PictureFiles::find(photos, Some(&folder.join("mask.png")));
     let found = find(std::slice::from_ref(&folder)).unwrap();
     assert_eq!(
@@ -318,14 +328,12 @@ fn only_photos_of_a_folder_are_read() {
         assert_eq!(count(why), n, "{why:?} of {:?}", found.left_out);
     }
     let remark = found.remark().unwrap();
-    assert!(
-        remark.contains("3 overlays of this program (x-001.png"),
-        "{remark}"
-    );
-    assert!(
-        remark.contains("4 files without the ending of a picture"),
-        "{remark}"
-    );
+    for part in [
+        "3 overlays of this program (x-001.png",
+        "4 files without the ending of a picture",
+    ] {
+        assert!(remark.contains(part), "{remark}");
+    }
     assert_eq!(find(&[folder.join("b.png")]).unwrap().files.len(), 1);
     let alone = find(&[folder.join("x-002.png")]).unwrap_err();
     assert!(matches!(alone, Error::OnlyOverlays { .. }), "{alone}");

@@ -5,6 +5,7 @@
 //! `lmerTest` takes its degrees of freedom from numerical derivatives. 1e-8 for factors; the 240 steps of
 //! Simpson's rule leave 1e-9.
 
+use crate::{code_column, column, texts};
 use dev_support::fixture_files::fixture;
 use experiment_design::Factor;
 use experiment_design::table::Table;
@@ -23,12 +24,6 @@ fn folder() -> PathBuf {
 fn results() -> Result<Value, Box<dyn Error>> {
     let text = std::fs::read_to_string(folder().join("results_blocks.json"))?;
     Ok(serde_json::from_str(&text)?)
-}
-
-fn texts(value: &Value) -> Vec<String> {
-    let list = value.as_array().into_iter().flatten();
-    list.filter_map(|text| text.as_str().map(str::to_owned))
-        .collect()
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
@@ -50,24 +45,10 @@ fn compare(name: &str, r: &Value) -> Result<(), Box<dyn Error>> {
     let table = Table::parse(&std::fs::read_to_string(
         folder().join(format!("{name}.csv")),
     )?)?;
-    let column = |name: &str| -> Result<Vec<f64>, Box<dyn Error>> {
-        let place = table.column(name)?;
-        let rows = table.rows().iter();
-        Ok(rows
-            .map(|row| table.number(row, place))
-            .collect::<Result<_, _>>()?)
-    };
     let mut factors = Vec::new();
     let mut coded = vec![Vec::new(); table.rows().len()];
     for symbol in texts(&r["factors"]) {
-        let values = column(&symbol)?;
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let factor = Factor::new(&symbol, "", "1", low, high)?;
-        for (row, value) in coded.iter_mut().zip(values) {
-            row.push(factor.coded(value));
-        }
-        factors.push(factor);
+        factors.push(code_column(&table, &symbol, &mut coded)?);
     }
     if factors.is_empty() {
         factors.push(Factor::coded_only("none")?);
@@ -83,7 +64,7 @@ fn compare(name: &str, r: &Value) -> Result<(), Box<dyn Error>> {
     let mut names = batches.clone();
     names.sort();
     names.dedup();
-    let y = column("y")?;
+    let y = column(&table, "y")?;
     let mut cells = Vec::new();
     for (i, row) in table.rows().iter().enumerate() {
         cells.push(Cell {

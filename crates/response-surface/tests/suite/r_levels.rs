@@ -3,20 +3,14 @@
 //! Limit: 1e-9 relative; sums of squares are differences of two residual sums, which costs two of the
 //! fourteen digits on these sets.
 
+use crate::{code_column, column, texts};
 use dev_support::fixture_files::fixture;
-use experiment_design::Factor;
 use experiment_design::table::Table;
 use response_surface::{
     Categorical, CategoricalModel, Cell, GroupRow, Observations, Weighting, fit_weighted,
 };
 use serde_json::Value;
 use std::error::Error;
-
-fn texts(value: &Value) -> Vec<String> {
-    let list = value.as_array().into_iter().flatten();
-    list.filter_map(|text| text.as_str().map(str::to_owned))
-        .collect()
-}
 
 fn compare(folder: &std::path::Path, name: &str, r: &Value) -> Result<(), Box<dyn Error>> {
     let table = Table::parse(&std::fs::read_to_string(
@@ -25,18 +19,7 @@ fn compare(folder: &std::path::Path, name: &str, r: &Value) -> Result<(), Box<dy
     let mut coded = vec![Vec::new(); table.rows().len()];
     let mut numeric = Vec::new();
     for symbol in texts(&r["numeric"]) {
-        let place = table.column(&symbol)?;
-        let rows = table.rows().iter();
-        let values: Vec<f64> = rows
-            .map(|row| table.number(row, place))
-            .collect::<Result<_, _>>()?;
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let factor = Factor::new(&symbol, "", "1", low, high)?;
-        for (row, value) in coded.iter_mut().zip(values) {
-            row.push(factor.coded(value));
-        }
-        numeric.push(factor);
+        numeric.push(code_column(&table, &symbol, &mut coded)?);
     }
     let mut named = Vec::new();
     for symbol in texts(&r["named"]) {
@@ -51,12 +34,9 @@ fn compare(folder: &std::path::Path, name: &str, r: &Value) -> Result<(), Box<dy
         }
         named.push(factor);
     }
-    let y = table.column("y")?;
-    let mut cells = Vec::new();
-    for (row, x) in table.rows().iter().zip(coded) {
-        cells.push(Cell::single(x, table.number(row, y)?));
-    }
-    let data = Observations::from_cells(cells)?;
+    let y = column(&table, "y")?;
+    let cells = coded.into_iter().zip(y).map(|(x, y)| Cell::single(x, y));
+    let data = Observations::from_cells(cells.collect())?;
     let formula = texts(&r["terms"]).join(" + ");
     let model = CategoricalModel::parse(&formula, &numeric, &named)?;
     let fit = fit_weighted(&model.factors, &model.model, &data, Weighting::Counts)?;

@@ -123,74 +123,82 @@ fn a_drum_without_covers_stands_less_steep() {
     assert!(between > without + 1.5, "{between} and {without} deg");
 }
 
-/// What ends at a periodic side or moves along it would not hold the seeds that come in there; refused before the first step, by its name.
+/// Name and requirement with which a scene is refused before the first step.
+#[track_caller]
+#[expect(clippy::panic, reason = "helpers of tests fail like tests")]
+fn refused(scene: Result<Scene, Error>) -> String {
+    let built = scene.and_then(|scene| scene.build_check(&FillingLibrary::default()));
+    let Err(Error::BadValue {
+        name, requirement, ..
+    }) = built
+    else {
+        panic!("{built:?}");
+    };
+    format!("{name}: {requirement}")
+}
+
+/// An apparatus that has ends along z, or is too thin between periodic sides, is refused by name before the first step.
 #[test]
 fn what_is_not_periodic_is_refused() {
-    let refused = |scene: Result<Scene, Error>| {
-        let built = scene.and_then(|scene| scene.build_check(&FillingLibrary::default()));
-        let Err(Error::BadValue {
-            name, requirement, ..
-        }) = built
-        else {
-            panic!("{built:?}");
-        };
-        format!("{name}: {requirement}")
-    };
-    let thin = [("apparatus.depth", "4 mm"), ("seed.0.count", "20")];
-    let message = refused(scene("anand-hopper/periodic", &thin));
-    assert!(
-        message.contains("apparatus.depth: at least 4.480 mm"),
-        "{message}"
-    );
-    let round = refused(scene("benches/hopper", &[("apparatus.periodic", "true")]));
-    assert!(
-        round.contains("apparatus.periodic: beside apparatus.depth"),
-        "{round}"
-    );
-    for (key, value) in [
-        ("apparatus.covers_at_rest", "true"),
-        ("apparatus.tilt", "2 deg"),
+    let drum = |key, value| [("apparatus.cover", "periodic"), (key, value)];
+    for (name, changes, says) in [
+        (
+            "anand-hopper/periodic",
+            &[("apparatus.depth", "4 mm"), ("seed.0.count", "20")][..],
+            "apparatus.depth: at least 4.480 mm",
+        ),
+        (
+            "benches/hopper",
+            &[("apparatus.periodic", "true")],
+            "apparatus.periodic: beside apparatus.depth",
+        ),
+        (
+            "benches/drum",
+            &drum("apparatus.covers_at_rest", "true"),
+            "apparatus.cover",
+        ),
+        (
+            "benches/drum",
+            &drum("apparatus.tilt", "2 deg"),
+            "apparatus.cover",
+        ),
     ] {
-        let drum = [("apparatus.cover", "periodic"), (key, value)];
-        let message = refused(scene("benches/drum", &drum));
-        assert!(message.contains("apparatus.cover"), "{message}");
+        let message = refused(scene(name, changes));
+        assert!(message.contains(says), "{message}");
     }
-    // A machine: a floor across z, a round cup at the sides, a paddle that ends at one, and one that turns about y between sides far away.
-    let machine = |[from, to]: [&str; 2]| {
-        let file = fixture("benches/machine.toml");
-        let text = std::fs::read_to_string(&file).expect("the fixture");
-        let text = text.replace("kind = \"machine\"", "kind = \"machine\"\nperiodic = true");
+}
+
+/// A wall of a machine that ends at a periodic side or moves along it would not hold the seeds that come in there: a floor
+/// across z, a round cup at the sides, a paddle that ends at one, and one that turns about y between sides far away.
+#[test]
+fn walls_of_a_machine_that_are_not_periodic_are_refused() {
+    let file = fixture("benches/machine.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let text = text.replace("kind = \"machine\"", "kind = \"machine\"\nperiodic = true");
+    for (from, to, says) in [
+        (
+            "normal = [0, 1, 0]",
+            "normal = [0, 0, 1]",
+            &["wall 'floor': shape.plane.normal"][..],
+        ),
+        ("count = 400", "count = 4", &["wall 'cup'", "parallel to z"]),
+        (
+            "from = [\"25 mm\", \"0 mm\"]",
+            "axis = \"z\", from = [\"25 mm\", \"0 mm\"]",
+            &["wall 'cup'", "beyond both"],
+        ),
+        (
+            "room = [[\"-17 mm\", \"0 mm\", \"-17 mm\"], [\"17 mm\", \"88 mm\", \"17 mm\"]]",
+            "room = [[\"-17 mm\", \"0 mm\", \"-60 mm\"], [\"17 mm\", \"88 mm\", \"60 mm\"]]",
+            &["motion of wall 'paddle'"],
+        ),
+    ] {
         assert!(text.contains(from), "{from}");
-        let folder = file.parent().expect("a folder");
-        refused(Scene::from_text(
-            &text.replacen(from, to, 1),
-            "machine.toml",
-            folder,
-            &[],
-        ))
-    };
-    let message = machine(["normal = [0, 1, 0]", "normal = [0, 0, 1]"]);
-    assert!(
-        message.contains("wall 'floor': shape.plane.normal"),
-        "{message}"
-    );
-    let message = machine(["count = 400", "count = 4"]);
-    assert!(
-        message.contains("wall 'cup'") && message.contains("parallel to z"),
-        "{message}"
-    );
-    let message = machine([
-        "from = [\"25 mm\", \"0 mm\"]",
-        "axis = \"z\", from = [\"25 mm\", \"0 mm\"]",
-    ]);
-    assert!(
-        message.contains("wall 'cup'") && message.contains("beyond both"),
-        "{message}"
-    );
-    let room = [
-        "room = [[\"-17 mm\", \"0 mm\", \"-17 mm\"], [\"17 mm\", \"88 mm\", \"17 mm\"]]",
-        "room = [[\"-17 mm\", \"0 mm\", \"-60 mm\"], [\"17 mm\", \"88 mm\", \"60 mm\"]]",
-    ];
-    let message = machine(room);
-    assert!(message.contains("motion of wall 'paddle'"), "{message}");
+        let text = text.replacen(from, to, 1);
+        let folder = file.parent().unwrap();
+        let message = refused(Scene::from_text(&text, "machine.toml", folder, &[]));
+        for part in says {
+            assert!(message.contains(part), "{message}");
+        }
+    }
 }

@@ -398,50 +398,47 @@ fn a_density_that_nothing_has_is_refused() {
     }
 }
 
-/// A ball of 2.1 mm with one of 1.5 mm at 2.2 mm to either side, as a table beside the scene: volume of the balls less that of
-/// their two lenses, mass by the density, centre in the middle ball, two equal moments across. The volume is integrated on
-/// chords, whose error is below 1e-4. `scale` grows all of it.
-#[test]
-fn a_table_of_spheres_is_a_seed_as_it_is() {
-    let folder = fixture("clump");
-    let read = |seed: &str| Scene::from_text(&drum(seed), "peas.toml", &folder, &[]);
+/// Reads the drum beside the tables of spheres.
+fn read_beside_tables(seed: &str) -> Result<Scene, scene::Error> {
+    Scene::from_text(&drum(seed), "peas.toml", &fixture("clump"), &[])
+}
+
+/// Volume of `three-spheres.csv`, m3: a ball of 2.1 mm with one of 1.5 mm at 2.2 mm to either side, less their two lenses.
+fn volume_of_three_spheres() -> f64 {
     let (big, small, d): (f64, f64, f64) = (2.1, 1.5, 2.2);
     let lens = PI
         * (big + small - d).powi(2)
         * (d * d + 2.0 * d * (big + small) - 3.0 * (big - small).powi(2))
         / (12.0 * d);
-    let volume = 1e-9 * (4.0 / 3.0 * PI * (big.powi(3) + 2.0 * small.powi(3)) - 2.0 * lens);
-    for (size, line) in [(1.0, ""), (2.0, "scale = 2.0")] {
-        let scene = read(&format!(
+    1e-9 * (4.0 / 3.0 * PI * (big.powi(3) + 2.0 * small.powi(3)) - 2.0 * lens)
+}
+
+/// Three balls as a table beside the scene: volume without the lenses, mass by the density, centre in the middle ball, two
+/// equal moments across. The volume is integrated on chords, whose error is below 1e-4. `scale` grows all of it.
+#[test]
+fn a_table_of_spheres_is_a_seed_as_it_is() {
+    for (size, line) in [(1.0_f64, ""), (2.0, "scale = 2.0")] {
+        let scene = read_beside_tables(&format!(
             "spheres = \"three-spheres.csv\"\ndensity = \"1250 kg/m3\"\nfill_level = 0.3\n{line}"
         ))
         .unwrap();
         let body = body(&scene);
+        let volume = volume_of_three_spheres() * size.powi(3);
         let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-4;
-        assert_eq!(body.clump.spheres().len(), 3);
-        assert!(
-            near(body.clump.mass(), 1250.0 * volume * size * size * size),
-            "{}",
-            body.clump.mass()
-        );
-        assert!(near(body.volume, volume * size * size * size));
-        let middle = body
-            .clump
-            .spheres()
-            .iter()
-            .find(|s| near(s.radius, size * 2.1e-3))
-            .unwrap();
-        assert!(
-            middle.centre.norm() < 1e-4 * size * 2.1e-3,
-            "{}",
-            middle.centre
-        );
+        let mass = body.clump.mass();
+        assert!(near(mass, 1250.0 * volume), "{mass}");
+        assert!(near(body.volume, volume));
+        let spheres = body.clump.spheres();
+        assert_eq!(spheres.len(), 3);
+        let middle = spheres.iter().find(|s| near(s.radius, size * 2.1e-3));
+        let centre = middle.unwrap().centre;
+        assert!(centre.norm() < 1e-4 * size * 2.1e-3, "{centre}");
         let moments = body.clump.inertia();
         assert!(
             near(moments.y, moments.z) && moments.x < 0.6 * moments.y,
             "{moments}"
         );
-        let bed = 0.3 * 0.6 * PI * 0.03_f64.powi(2) * 0.03 / (volume * size * size * size);
+        let bed = 0.3 * 0.6 * PI * 0.03_f64.powi(2) * 0.03 / volume;
         assert!((scene.seed_count() as f64 - bed).abs() <= 0.5 + 1e-4 * bed);
         // The unit that was taken is written down.
         assert_eq!(
@@ -449,34 +446,45 @@ fn a_table_of_spheres_is_a_seed_as_it_is() {
             Some(trimesh::LengthUnit::Millimetre)
         );
     }
-    let told = |seed: &str| read(seed).unwrap_err().to_string();
+}
+
+/// A table beside another shape, without its file or with a unit that makes no seed is refused. A unit that is stated is
+/// taken.
+#[test]
+fn a_table_of_spheres_that_cannot_be_meant_is_refused() {
     let list = "density = \"1250 kg/m3\"\ncount = 5\nspheres = \"three-spheres.csv\"";
-    let filled = told(&format!(
-        "{list}\nfilling = {{ method = \"pack\", sphere_radius = \"1 mm\", seed = 1 }}"
-    ));
-    assert!(
-        filled.contains("filling is stated beside spheres"),
-        "{filled}"
-    );
-    assert!(
-        told(&format!("{list}\nsphere = \"6 mm\"")).contains("sphere and spheres of mesh, sphere")
-    );
-    assert!(
-        told("sphere = \"6 mm\"\nmass = \"9 mg\"\ncount = 5\nspheres_unit = \"mm\"")
-            .contains("without spheres")
-    );
     let metres = list.replace("three-spheres.csv", "three-spheres-metres.txt");
-    let unclear = told(&metres);
-    assert!(
-        unclear.contains("in mm the seed would be 0.00740 mm long; state"),
-        "{unclear}"
-    );
-    let large = told(&format!("{list}\nspheres_unit = \"m\""));
-    assert!(large.contains("a seed is 0.001 mm to 1 m"), "{large}");
-    let stated = read(&format!("{metres}\nspheres_unit = \"m\"")).unwrap();
-    assert!((stated.seed[0].volume().unwrap() / volume - 1.0).abs() < 1e-4);
-    let absent = told(&list.replace("three", "four"));
-    assert!(absent.contains("four-spheres.csv"), "{absent}");
+    for (seed, message) in [
+        (
+            format!(
+                "{list}\nfilling = {{ method = \"pack\", sphere_radius = \"1 mm\", seed = 1 }}"
+            ),
+            "filling is stated beside spheres",
+        ),
+        (
+            format!("{list}\nsphere = \"6 mm\""),
+            "sphere and spheres of mesh, sphere",
+        ),
+        (
+            "sphere = \"6 mm\"\nmass = \"9 mg\"\ncount = 5\nspheres_unit = \"mm\"".to_owned(),
+            "without spheres",
+        ),
+        (
+            metres.clone(),
+            "in mm the seed would be 0.00740 mm long; state",
+        ),
+        (
+            format!("{list}\nspheres_unit = \"m\""),
+            "a seed is 0.001 mm to 1 m",
+        ),
+        (list.replace("three", "four"), "four-spheres.csv"),
+    ] {
+        let error = read_beside_tables(&seed).unwrap_err().to_string();
+        assert!(error.contains(message), "{error}");
+    }
+    let stated = read_beside_tables(&format!("{metres}\nspheres_unit = \"m\"")).unwrap();
+    let volume = stated.seed[0].volume().unwrap();
+    assert!((volume / volume_of_three_spheres() - 1.0).abs() < 1e-4);
 }
 
 /// A fill level is a share of the apparatus that there is in the end: 0.35 of a drum becomes 0.35 of the cylinder of a heap, and

@@ -1,8 +1,8 @@
 //! Programs of the user as simulators.
 
 use campaign::run_store::Store;
-use campaign::{Campaign, RunRequest, Silent, Simulator};
-use scene::{FillingLibrary, OBSERVABLES_OF_PICTURES, Override, Scene};
+use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator};
+use scene::{FillingLibrary, OBSERVABLES_OF_PICTURES, Override, RunResult, Scene};
 use simulators::exchange::{csv, vtk};
 use simulators::external_simulator::{
     CommandModel, CommandSettings, CommandSimulator, DrumDescription, Keep, ResultFiles,
@@ -10,6 +10,7 @@ use simulators::external_simulator::{
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 /// A shell script as a program in a folder of its own, with a scene `mill` at 10 rpm.
 struct Script {
@@ -208,35 +209,36 @@ fn a_command_that_cannot_be_meant_is_refused_before_any_run() {
     assert!(refused(|s| s.template = Some("no/such/folder".into())).contains("no/such/folder"));
 }
 
-/// A drum run here, its spheres handed over as another code would: CSV with times, and VTK files in another frame of axes. The
-/// ruler is the same, so that the angle in the pictures is the same to rounding; hidden spheres are handed over too, which
-/// the reading of positions sees and the camera does not.
-#[test]
-fn positions_of_another_code_are_read_by_the_same_ruler() {
+/// A drum that was run here.
+struct DrumRun {
+    scene: Scene,
+    result: RunResult,
+    /// Angles of the frames that can be read, degrees.
+    angles: Vec<f64>,
+}
+
+/// The run whose frames the tests hand over.
+static DRUM_RUN: LazyLock<DrumRun> = LazyLock::new(|| {
     let file =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tools/seedloop/tests/peers/drum.toml");
-    let set = |name: &str, value: &str| Override {
-        name: name.into(),
-        value: value.into(),
+    let short = Override {
+        name: "protocol.rotation_limit".into(),
+        value: "2 s".into(),
     };
-    let scene = Scene::read(&file, &[set("protocol.rotation_limit", "2 s")]).unwrap();
-    let run = scene::run(&scene, &FillingLibrary::default(), 1).unwrap();
-    let frames = &run.frames;
-    let readings = &run.readings;
-    let angles: Vec<f64> = readings
-        .iter()
-        .filter_map(|r| r.photo.angle().map(|a| a.line.to_degrees()))
-        .collect();
-    let expected = angles.iter().sum::<f64>() / angles.len() as f64;
+    let scene = Scene::read(&file, &[short]).expect("a scene of the tests");
+    let result = scene::run(&scene, &FillingLibrary::default(), 1).expect("a run");
+    let angles = result.readings.iter().filter_map(|r| r.photo.angle());
+    let angles = angles.map(|a| a.line.to_degrees()).collect();
+    DrumRun {
+        scene,
+        result,
+        angles,
+    }
+});
 
-    let mut script = Script::new("cp ../../handed/* .");
-    let handed = script.folder.path().join("handed");
-    fs::create_dir(&handed).unwrap();
-    script.settings.results = ResultFiles {
-        positions: Some("bed_*.csv".into()),
-        ..ResultFiles::default()
-    };
-    script.drum = Some(DrumDescription {
+/// The drum of that run in the frame of axes of its files, without times.
+fn described_drum() -> DrumDescription {
+    DrumDescription {
         inner_diameter: "60 mm".into(),
         width: "20 mm".into(),
         speed: "{rpm} rpm".into(),
@@ -249,15 +251,42 @@ fn positions_of_another_code_are_read_by_the_same_ruler() {
         start_up: None,
         pixels: 480,
         max_angle_error: photo_profile::MAX_ANGLE_ERROR,
-    });
-    for file in csv::series("bed", &scene, frames, &run.bodies) {
-        fs::write(handed.join(file.name), file.text).unwrap();
     }
-    let outcome = script.simulator().run(&request(0.1)).unwrap();
-    // The rule keeps what follows its start-up: the last frames.
-    let n = outcome.observables["angle_deg"].n;
-    // The start-up, 1.5 swings to half a frame of 0.1 s, is not part of it.
-    let time = |key: &str| outcome.details[key].as_f64().unwrap();
+}
+
+/// A program that hands over the files of a folder as its results, with that folder.
+fn handing_over(results: ResultFiles) -> (Script, PathBuf) {
+    let mut script = Script::new("cp ../../handed/* .");
+    let handed = script.folder.path().join("handed");
+    fs::create_dir(&handed).expect("as the test prepared it");
+    script.settings.results = results;
+    script.drum = Some(described_drum());
+    (script, handed)
+}
+
+/// Files of positions with names of one pattern as results.
+fn positions(pattern: &str) -> ResultFiles {
+    ResultFiles {
+        positions: Some(pattern.into()),
+        ..ResultFiles::default()
+    }
+}
+
+/// Writes files into a folder.
+fn write_all(folder: &Path, files: Vec<vtk::File>) {
+    for file in files {
+        fs::write(folder.join(file.name), file.text).expect("as the test prepared it");
+    }
+}
+
+/// Mean of some values.
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// The frames before the end of the start-up, 1.5 swings to half a frame of 0.1 s, are not used.
+fn assert_start_up_is_left_out(outcome: &RunOutcome, frames: usize) {
+    let time = |key: &str| outcome.details[key].as_f64().expect("a time");
     let (start_up, swing) = (time("start_up_s"), time("swing_s"));
     // Both are given in whole frames: 1.5 times half a frame and half a frame.
     assert!(
@@ -265,58 +294,66 @@ fn positions_of_another_code_are_read_by_the_same_ruler() {
         "{start_up} s"
     );
     let left_out = (start_up / 0.1).round();
-    let kept = outcome.details["frames"]["times_s"]
-        .as_array()
-        .unwrap()
-        .len();
-    assert_eq!(
-        left_out,
-        (frames.len() - kept) as f64,
-        "frames of the start-up"
-    );
-    let last = &angles[angles.len() - n..];
-    let of_last = last.iter().sum::<f64>() / n as f64;
+    let kept = outcome.details["frames"]["times_s"].as_array();
+    let kept = kept.expect("a list of times").len();
+    assert_eq!(left_out, (frames - kept) as f64, "frames of the start-up");
+}
+
+/// Another code hands over the spheres of a drum: CSV with times, and VTK files, which give no times. The ruler is the same,
+/// so that the angle in the pictures is the same to rounding. Hidden spheres are handed over too; the reading of positions
+/// sees them and the camera does not.
+#[test]
+fn positions_of_another_code_are_read_by_the_same_ruler() {
+    let DrumRun {
+        scene,
+        result,
+        angles,
+    } = &*DRUM_RUN;
+    let (frames, bodies) = (&result.frames, &result.bodies);
+    let (mut script, handed) = handing_over(positions("bed_*.csv"));
+    write_all(&handed, csv::series("bed", scene, frames, bodies));
+    let outcome = script.simulator().run(&request(0.1)).unwrap();
+    assert_start_up_is_left_out(&outcome, frames.len());
+    // The rule keeps what follows its start-up: the last frames.
+    let n = outcome.observables["angle_deg"].n;
+    let of_last = mean(&angles[angles.len() - n..]);
     let angle = outcome.observables["angle_deg"].mean;
     assert!((angle - of_last).abs() < 1e-9, "{angle} for {of_last}");
-    assert!((angle - expected).abs() < 3.0, "{angle} for {expected}");
+    let of_all = mean(angles);
+    assert!((angle - of_all).abs() < 3.0, "{angle} for {of_all}");
     assert!(outcome.observables.contains_key("shell_slip"));
     assert!(outcome.regime.is_some());
 
-    // The same as VTK, whose files tell no times.
-    for file in vtk::series("bed", &scene, frames, &run.bodies).unwrap() {
-        fs::write(handed.join(file.name), file.text).unwrap();
-    }
-    script.settings.results.positions = Some("bed_*.vtp".into());
-    let error = script
-        .simulator()
-        .run(&request(0.1))
-        .unwrap_err()
-        .to_string();
+    write_all(&handed, vtk::series("bed", scene, frames, bodies).unwrap());
+    script.settings.results = positions("bed_*.vtp");
+    let error = script.simulator().run(&request(0.1)).unwrap_err();
+    let error = error.to_string();
     assert!(error.contains("[scene.drum] time_step"), "{error}");
     script.drum.as_mut().unwrap().interval = Some("100 ms".into());
     let by_vtk = script.simulator().run(&request(0.1)).unwrap();
     let angle = by_vtk.observables["angle_deg"].mean;
     assert!((angle - of_last).abs() < 1e-9, "{angle} for {of_last}");
+}
 
-    // The same as pictures.
-    let bodies = &run.bodies;
-    for (k, frame) in frames.iter().enumerate() {
-        let picture = scene::drum_picture(&scene, bodies, frame).unwrap();
-        dev_support::drawn_pictures::save(picture, handed.join(format!("frame{k}.png"))).unwrap();
-    }
-    script.settings.results = ResultFiles {
+/// Pictures of the same drum give the mean angle of its frames, and the observables that a study receives from pictures. They
+/// hold grey levels of 8 bits a channel.
+#[test]
+fn pictures_of_another_code_are_read_by_the_same_ruler() {
+    let drum = &*DRUM_RUN;
+    let (mut script, handed) = handing_over(ResultFiles {
         pictures: Some("frame*.png".into()),
         ..ResultFiles::default()
-    };
-    let by_picture = script.simulator().run(&request(0.1)).unwrap();
-    let angle = by_picture.observables["angle_deg"].mean;
-    // Pictures hold grey levels of 8 bits a channel.
+    });
+    script.drum.as_mut().unwrap().interval = Some("100 ms".into());
+    for (k, frame) in drum.result.frames.iter().enumerate() {
+        let picture = scene::drum_picture(&drum.scene, &drum.result.bodies, frame).unwrap();
+        dev_support::drawn_pictures::save(picture, handed.join(format!("frame{k}.png"))).unwrap();
+    }
+    let outcome = script.simulator().run(&request(0.1)).unwrap();
+    let (angle, expected) = (outcome.observables["angle_deg"].mean, mean(&drum.angles));
     assert!((angle - expected).abs() < 0.02, "{angle} for {expected}");
     let mut said = OBSERVABLES_OF_PICTURES;
     said.sort_unstable();
-    let given: Vec<&str> = by_picture.observables.keys().map(String::as_str).collect();
-    assert_eq!(
-        given, said,
-        "observables of pictures, as a study receives them"
-    );
+    let given: Vec<&str> = outcome.observables.keys().map(String::as_str).collect();
+    assert_eq!(given, said, "observables of pictures");
 }

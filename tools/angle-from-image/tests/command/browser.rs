@@ -62,23 +62,25 @@ fn told(dom: &str, key: &str) -> String {
     rest.split_once('"').unwrap().0.replace("&quot;", "\"")
 }
 
-/// Places on a circle about (800.5, 600.25) of radius 321.5, and the ends of marks: the flags that the page gives state them, in a wide
-/// window and on a phone, to a pixel of the screen both ways, to which browsers round the place of a click. The command takes them.
-#[test]
-#[ignore = "needs Chromium: trials/programs.sh browser"]
-fn pointing_at_places_gives_the_flags() {
-    let folder = folder("pointing");
-    let page = folder.join("page.html");
-    let output = run(&[
-        photo(REFUSED).to_str().unwrap(),
-        "--html",
-        page.to_str().unwrap(),
-    ]);
-    assert_eq!(output.status.code(), Some(1));
-    let rim: Vec<[f64; 2]> = [0.2_f64, 1.0, 2.5, 4.0]
+/// Places that a user points at with a tool, and the flag of the command that they give.
+struct Pointing {
+    /// Number of the tool on the page.
+    tool: usize,
+    places: Vec<[f64; 2]>,
+    flag: &'static str,
+    numbers: Vec<f64>,
+}
+
+/// Four places on a circle about (800.5, 600.25) of radius 321.5.
+fn places_on_a_rim() -> Vec<[f64; 2]> {
+    [0.2_f64, 1.0, 2.5, 4.0]
         .iter()
         .map(|turn| [800.5 + 321.5 * turn.cos(), 600.25 + 321.5 * turn.sin()])
-        .collect();
+        .collect()
+}
+
+/// A use of each tool that gives a flag.
+fn pointings() -> [Pointing; 5] {
     let marks = [[100.0, 50.0], [120.0, 450.0]];
     let surface = [
         [600.0, 500.0],
@@ -93,47 +95,68 @@ fn pointing_at_places_gives_the_flags() {
         [880.0, 100.0],
         [90.0, 800.0],
     ];
+    let in_order = [square[1], square[2], square[0], square[3]];
+    let of = |tool, places: &[[f64; 2]], flag, numbers: &[f64]| Pointing {
+        tool,
+        places: places.to_vec(),
+        flag,
+        numbers: numbers.to_vec(),
+    };
+    [
+        of(0, &places_on_a_rim(), "--drum", &[800.5, 600.25, 321.5]),
+        of(1, &surface, "--surface", &surface.concat()),
+        of(2, &marks, "--region", &[100.0, 50.0, 20.0, 400.0]),
+        of(3, &marks, "--plumb-line", &marks.concat()),
+        of(5, &square, "--corners", &in_order.concat()),
+    ]
+}
+
+/// Asserts that the page, in a window of so many pixels, gives the flag to a pixel of the screen both ways, to which browsers
+/// round the place of a click, and that the command takes it.
+fn assert_gives_flag(page: &Path, pointing: &Pointing, width: u32) {
+    let dom = seen(page, &clicks(pointing.tool, &pointing.places), width);
+    let given = told(&dom, "told");
+    let scale: f64 = told(&dom, "scale").parse().expect("a number");
+    let (name, value) = given.split_once(' ').expect("a flag with its value");
+    assert_eq!(name, pointing.flag, "{given}");
+    let shown = told(&dom, "shown");
+    assert!(!shown.contains('{'), "data are not text: {shown}");
+    let value = value.trim_matches('\'');
+    let numbers = value
+        .split([',', ';'])
+        .map(|n| n.parse().expect("a number"));
+    let numbers: Vec<f64> = numbers.collect();
+    assert_eq!(numbers.len(), pointing.numbers.len(), "{given}");
+    for (found, expected) in numbers.iter().zip(&pointing.numbers) {
+        let off = (found - expected).abs();
+        assert!(
+            off < 2.0_f64.sqrt() * scale + 0.1,
+            "{width}: {given}, {scale}"
+        );
+    }
+    let output = run(&[photo(REFUSED).to_str().expect("a path"), name, value]);
+    assert!(output.status.code() < Some(2), "{given}");
+}
+
+/// Each tool of the page gives its flag, in a wide window and on a phone. Too few places give none.
+#[test]
+#[ignore = "needs Chromium: trials/programs.sh browser"]
+fn pointing_at_places_gives_the_flags() {
+    let folder = folder("pointing");
+    let page = folder.join("page.html");
+    let output = run(&[
+        photo(REFUSED).to_str().unwrap(),
+        "--html",
+        page.to_str().unwrap(),
+    ]);
+    assert_eq!(output.status.code(), Some(1));
     for width in [1200, 390] {
-        for (tool, places, flag, expected) in [
-            (0, &rim[..], "--drum", vec![800.5, 600.25, 321.5]),
-            (1, &surface[..], "--surface", surface.concat()),
-            (2, &marks[..], "--region", vec![100.0, 50.0, 20.0, 400.0]),
-            (
-                3,
-                &marks[..],
-                "--plumb-line",
-                vec![100.0, 50.0, 120.0, 450.0],
-            ),
-            (
-                5,
-                &square[..],
-                "--corners",
-                vec![110.0, 130.0, 880.0, 100.0, 900.0, 820.0, 90.0, 800.0],
-            ),
-        ] {
-            let dom = seen(&page, &clicks(tool, places), width);
-            let told = |key| super::browser::told(&dom, key);
-            let (told, scale): (String, f64) = (told("told"), told("scale").parse().unwrap());
-            let (name, value) = told.split_once(' ').unwrap();
-            assert_eq!(name, flag, "{told}");
-            let shown = super::browser::told(&dom, "shown");
-            assert!(!shown.contains('{'), "data are not text: {shown}");
-            let value = value.trim_matches('\'');
-            let numbers = value.split([',', ';']).map(|n| n.parse().unwrap());
-            let numbers: Vec<f64> = numbers.collect();
-            assert_eq!(numbers.len(), expected.len(), "{told}");
-            for (found, expected) in numbers.iter().zip(&expected) {
-                let off = (found - expected).abs();
-                assert!(
-                    off < 2.0_f64.sqrt() * scale + 0.1,
-                    "{width}: {told}, {scale}"
-                );
-            }
-            let output = run(&[photo(REFUSED).to_str().unwrap(), name, value]);
-            assert!(output.status.code() < Some(2), "{told}");
+        for pointing in pointings() {
+            assert_gives_flag(&page, &pointing, width);
         }
     }
-    let missing = told(&seen(&page, &clicks(0, &rim[..2]), 1200), "told");
+    let two = &places_on_a_rim()[..2];
+    let missing = told(&seen(&page, &clicks(0, two), 1200), "told");
     assert_eq!(missing, "", "two places tell no circle");
     let picture = format!("--screenshot={}", folder.join("page.png").display());
     chromium(&[&picture], &page, 1200);

@@ -150,6 +150,22 @@ fn a_film_that_cannot_be_read_is_an_error() {
     );
 }
 
+/// Packs the pictures `0.png`, `1.png` and so on of a folder as a film of 12.5 pictures a second.
+fn pack(folder: &Path, name: &str, codec: &str) {
+    let colours = if codec == "mjpeg" {
+        "yuvj420p"
+    } else {
+        "yuv420p"
+    };
+    let made = Command::new("ffmpeg")
+        .current_dir(folder)
+        .args(["-v", "error", "-framerate", "25/2", "-i", "%d.png"])
+        .args(["-c:v", codec, "-q:v", "2", "-pix_fmt", colours, name])
+        .status()
+        .expect("`trials/programs.sh films` installs ffmpeg");
+    assert!(made.success(), "{name}");
+}
+
 /// The real programs (`trials/programs.sh films`): slopes from 30 to 40 degrees at 12.5 pictures a second, packed as a camera packs them; 0.5 degrees: a
 /// drum of 200 px behind the losses of the packing. Half of the file is a film that breaks off or none at all.
 #[test]
@@ -166,32 +182,7 @@ fn real_films_are_read() {
         ("c.avi", "mjpeg"),
         ("d.webm", "libvpx"),
     ] {
-        let made = Command::new("ffmpeg")
-            .current_dir(&folder)
-            .args([
-                "-v",
-                "error",
-                "-framerate",
-                "25/2",
-                "-i",
-                "%d.png",
-                "-c:v",
-                codec,
-                "-q:v",
-                "2",
-                "-pix_fmt",
-            ])
-            .args([
-                if codec == "mjpeg" {
-                    "yuvj420p"
-                } else {
-                    "yuv420p"
-                },
-                name,
-            ])
-            .status()
-            .unwrap();
-        assert!(made.success(), "{name}");
+        pack(&folder, name, codec);
         let output = super::run(&[folder.join(name).to_str().unwrap(), "--json"]);
         assert_eq!(
             output.status.code(),

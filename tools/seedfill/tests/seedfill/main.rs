@@ -40,6 +40,58 @@ fn json_of(output: &Output) -> Value {
     serde_json::from_slice(&output.stdout).expect("JSON alone on standard output")
 }
 
+/// Figures of a fit that are one number.
+const FIT_FIGURES: [&str; 8] = [
+    "packing_fraction",
+    "union_fraction",
+    "max_protrusion",
+    "max_overlap",
+    "surface_rms",
+    "surface_hausdorff",
+    "roughness_rms",
+    "centroid_offset",
+];
+
+/// Fills the flat seed with the number of spheres and the mass of the study, and returns the JSON.
+fn filled_flat_seed(more: &[&str]) -> Value {
+    let mesh = fixture("cotton_flat.stl");
+    let words = [path_text(&mesh), "--radius", "0.45", "--count", "127"];
+    let mass = ["--mass", "94.5e-6", "--json"];
+    let output = seedfill(&[&words[..], &mass, more].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    json_of(&output)
+}
+
+/// The JSON states the mesh, the mass and every figure of the fit.
+#[test]
+fn json_has_mesh_mass_and_fit_of_the_flat_seed() {
+    let json = filled_flat_seed(&[]);
+    assert_eq!(json["spheres"], 127);
+    assert_eq!(json["radius"], 0.45);
+    let mesh = &json["mesh"];
+    assert_eq!(mesh["triangles"], 13520);
+    assert_eq!(mesh["watertight"], true);
+    assert_eq!(mesh["warnings"].as_array().unwrap().len(), 0);
+    assert!((mesh["volume"].as_f64().unwrap() - 93.0).abs() < 1e-3);
+    assert!((mesh["bounding_box"]["size"][0].as_f64().unwrap() - 9.26).abs() < 1e-6);
+    // Eq. (9) of the study for its own count and mass.
+    let density = json["fraction_density_kg_m3"].as_f64().unwrap();
+    assert!((density - 1949.40).abs() < 0.01, "{density}");
+    assert_eq!(json["mass_kg"], 94.5e-6);
+    let fit = &json["fit"];
+    for key in FIT_FIGURES {
+        assert!(fit[key].is_number(), "{key}");
+    }
+    assert_eq!(fit["inertia_error_percent"].as_array().unwrap().len(), 3);
+    assert!(json["version"].is_string() && json["seed"] == 1 && json["elapsed_s"].is_number());
+    let sum = json["inputs"].as_object().unwrap().values().next().unwrap();
+    assert_eq!(
+        sum,
+        "e2996577b429fe98c8fe43631c9df8ba3435022fc95f66195103c6b25576721d"
+    );
+}
+
+/// The table has the spheres of the JSON, and the picture is a PNG.
 #[test]
 fn csv_json_and_picture_of_the_flat_seed_agree() {
     let folder = tempfile::tempdir().unwrap();
@@ -47,68 +99,13 @@ fn csv_json_and_picture_of_the_flat_seed_agree() {
         folder.path().join("flat.csv"),
         folder.path().join("flat.png"),
     );
-    let mesh = fixture("cotton_flat.stl");
-    let output = seedfill(&[
-        path_text(&mesh),
-        "--radius",
-        "0.45",
-        "--count",
-        "127",
-        "--mass",
-        "94.5e-6",
-        "--json",
-        "--out",
-        path_text(&csv),
-        "--preview",
-        path_text(&png),
-    ]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let json = json_of(&output);
-    assert_eq!(json["spheres"], 127);
-    assert_eq!(json["radius"], 0.45);
-    assert_eq!(json["mesh"]["triangles"], 13520);
-    assert_eq!(json["mesh"]["watertight"], true);
-    assert_eq!(json["mesh"]["warnings"].as_array().unwrap().len(), 0);
-    assert!((json["mesh"]["volume"].as_f64().unwrap() - 93.0).abs() < 1e-3);
-    assert!((json["mesh"]["bounding_box"]["size"][0].as_f64().unwrap() - 9.26).abs() < 1e-6);
-    // Eq. (9) of the study for its own count and mass.
-    let density = json["fraction_density_kg_m3"].as_f64().unwrap();
-    assert!((density - 1949.40).abs() < 0.01, "{density}");
-    assert_eq!(json["mass_kg"], 94.5e-6);
-    for key in [
-        "packing_fraction",
-        "union_fraction",
-        "max_protrusion",
-        "max_overlap",
-        "surface_rms",
-        "surface_hausdorff",
-        "roughness_rms",
-        "centroid_offset",
-    ] {
-        assert!(json["fit"][key].is_number(), "{key}");
-    }
-    assert_eq!(
-        json["fit"]["inertia_error_percent"]
-            .as_array()
-            .unwrap()
-            .len(),
-        3
-    );
-    assert!(json["version"].is_string() && json["seed"] == 1 && json["elapsed_s"].is_number());
-    let sum = json["inputs"].as_object().unwrap().values().next().unwrap();
-    assert_eq!(
-        sum,
-        "e2996577b429fe98c8fe43631c9df8ba3435022fc95f66195103c6b25576721d"
-    );
+    let json = filled_flat_seed(&["--out", path_text(&csv), "--preview", path_text(&png)]);
     let table = std::fs::read_to_string(&csv).unwrap();
     let lines: Vec<&str> = table.lines().collect();
     assert_eq!((lines[0], lines.len()), ("x,y,z,radius", 128));
-    let first: Vec<f64> = lines[1]
-        .split(',')
-        .map(|word| word.parse().unwrap())
-        .collect();
-    for (k, value) in first.iter().enumerate() {
-        assert_eq!(json["sphere_list"][0][k].as_f64(), Some(*value));
+    for (k, word) in lines[1].split(',').enumerate() {
+        let value: f64 = word.parse().unwrap();
+        assert_eq!(json["sphere_list"][0][k].as_f64(), Some(value));
     }
     assert!(std::fs::read(&png).unwrap().starts_with(b"\x89PNG"));
 }

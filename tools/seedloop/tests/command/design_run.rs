@@ -1,7 +1,7 @@
 //! `seedloop run`: from a design to its analysis.
 
 use crate::tiny_scene::TinyScene;
-use crate::{assert_code, assert_error, json, seedloop, text};
+use crate::{assert_code, assert_error, json, seedloop, text, words_in};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -33,11 +33,6 @@ fn folder() -> TempDir {
     let words = "design ccd --factors factors.csv --centre 1 --seed 2 --out design.csv";
     assert_code(&words_in(folder.path(), words), 0);
     folder
-}
-
-/// Runs the command with words parted by blanks.
-fn words_in(folder: &Path, words: &str) -> Output {
-    seedloop(folder, &words.split(' ').collect::<Vec<_>>())
 }
 
 /// Runs the design with further words.

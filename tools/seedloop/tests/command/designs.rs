@@ -77,6 +77,52 @@ fn assert_near(got: f64, expected: f64, what: &str) {
     );
 }
 
+/// Asserts that a design has the runs of R as a set.
+fn assert_same_runs(got: &Value, case: &Value, name: &str) {
+    let k = count(&case["factors"]);
+    let runs = got["runs"].as_array().expect("runs").iter();
+    let mut rows: Vec<Vec<f64>> = runs
+        .map(|run| numbers(&run["coded"])[..k].to_vec())
+        .collect();
+    rows.sort_by(|a, b| a.partial_cmp(b).expect("numbers"));
+    let expected = case["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), expected.len(), "{name}");
+    for (row, expected) in rows.iter().zip(expected) {
+        for (x, y) in row.iter().zip(numbers(expected)) {
+            assert_near(*x, y, name);
+        }
+    }
+}
+
+/// Asserts that the evaluation of a design has the figures of R.
+fn assert_same_figures(evaluation: &Value, case: &Value, name: &str) {
+    let number = |value: &Value| value.as_f64().expect("a number");
+    let near = |got: &Value, expected: &Value, what: &str| {
+        let what = format!("{name}, {what}");
+        assert_near(number(got), number(expected), &what);
+    };
+    for key in ["d_pct", "a_pct", "mean_variance"] {
+        near(&evaluation["efficiency"][key], &case[key], key);
+    }
+    for key in ["greatest_correlation", "condition"] {
+        near(&evaluation[key], &case[key], key);
+    }
+    for (term, vif) in case["vif"].as_object().expect("terms") {
+        near(&evaluation["vif"][plain(term)], vif, term);
+    }
+    let mut leverage = numbers(&evaluation["leverage"]);
+    leverage.sort_by(f64::total_cmp);
+    for (h, expected) in leverage.iter().zip(numbers(&case["leverage"])) {
+        assert_near(*h, expected, &format!("{name}, leverage"));
+    }
+    for (term, power) in case["power_of_2"].as_object().into_iter().flatten() {
+        if term != "1" {
+            let got = &evaluation["power"][plain(term)][1];
+            near(got, power, &format!("power of {term}"));
+        }
+    }
+}
+
 /// Thirty designs that R constructs from their definitions: the same runs (as a set; definitive screening may differ by
 /// signs and order of columns), and the same efficiencies, variances, correlations, condition, inflation, leverages and
 /// powers to 1e-10.
@@ -97,56 +143,9 @@ fn thirty_designs_are_those_of_r_with_the_same_figures() {
         };
         let got = designed(folder.path(), &words, more);
         if !name.starts_with("definitive") {
-            let k = count(&case["factors"]);
-            let runs = got["runs"].as_array().unwrap().iter();
-            let mut rows: Vec<Vec<f64>> = runs
-                .map(|run| numbers(&run["coded"])[..k].to_vec())
-                .collect();
-            rows.sort_by(|a, b| a.partial_cmp(b).unwrap());
-            let expected = case["rows"].as_array().unwrap();
-            assert_eq!(rows.len(), expected.len(), "{name}");
-            for (row, expected) in rows.iter().zip(expected) {
-                for (x, y) in row.iter().zip(numbers(expected)) {
-                    assert_near(*x, y, name);
-                }
-            }
+            assert_same_runs(&got, case, name);
         }
-        let evaluation = &got["evaluation"];
-        let value = |key: &str| evaluation["efficiency"][key].as_f64().unwrap();
-        for key in ["d_pct", "a_pct", "mean_variance"] {
-            assert_near(
-                value(key),
-                case[key].as_f64().unwrap(),
-                &format!("{name}, {key}"),
-            );
-        }
-        for key in ["greatest_correlation", "condition"] {
-            let value = evaluation[key].as_f64().unwrap();
-            assert_near(
-                value,
-                case[key].as_f64().unwrap(),
-                &format!("{name}, {key}"),
-            );
-        }
-        for (term, vif) in case["vif"].as_object().unwrap() {
-            let value = evaluation["vif"][plain(term)].as_f64().unwrap();
-            assert_near(value, vif.as_f64().unwrap(), &format!("{name}, {term}"));
-        }
-        let mut leverage = numbers(&evaluation["leverage"]);
-        leverage.sort_by(f64::total_cmp);
-        for (h, expected) in leverage.iter().zip(numbers(&case["leverage"])) {
-            assert_near(*h, expected, &format!("{name}, leverage"));
-        }
-        for (term, power) in case["power_of_2"].as_object().into_iter().flatten() {
-            if term != "1" {
-                let value = evaluation["power"][plain(term)][1].as_f64().unwrap();
-                assert_near(
-                    value,
-                    power.as_f64().unwrap(),
-                    &format!("{name}, power of {term}"),
-                );
-            }
-        }
+        assert_same_figures(&got["evaluation"], case, name);
     }
 }
 

@@ -1,8 +1,9 @@
 //! What fitted surfaces say beyond their coefficients, against R (`fixtures/r/make_surfaces.R`).
 
 use std::fs;
+use std::iter;
 
-use crate::{assert_code, assert_error, fixture, json, seedloop, text};
+use crate::{assert_code, assert_error, fixture, json, seedloop, text, words_in};
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
@@ -27,6 +28,12 @@ fn words_of(list: &Value) -> Vec<&str> {
         || vec![list.as_str().unwrap()],
         |all| all.iter().map(|w| w.as_str().unwrap()).collect(),
     )
+}
+
+/// Each number of a list as it is written in JSON.
+fn words_of_numbers(list: &Value) -> Vec<String> {
+    let numbers = list.as_array().expect("a list").iter();
+    numbers.map(Value::to_string).collect()
 }
 
 /// Shares of four fitted surfaces, one of them over named levels, are those that R finds by Gauss's rule with six nodes a
@@ -120,38 +127,15 @@ fn shares_are_printed_largest_first() {
 fn processes_predict_with_their_own_noise_as_r_does() {
     for (set, case) in by_r()["processes"].as_object().unwrap() {
         let folder = data(set);
-        let symbols = words_of(&case["symbols"]);
-        let rows: Vec<String> = case["at"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|row| {
-                let cells: Vec<String> = row
-                    .as_array()
-                    .unwrap()
-                    .iter()
-                    .map(Value::to_string)
-                    .collect();
-                cells.join(",")
-            })
-            .collect();
-        let points = [symbols.join(","), rows.join("\n")].join("\n");
-        fs::write(folder.path().join("points.csv"), points).unwrap();
-        let words = [
-            "analyse",
-            "d.csv",
-            "--factors",
-            &symbols.join(","),
-            "--response",
-            "y",
-            "--model",
-            "linear",
-            "--gaussian-process",
-            "--predict",
-            "points.csv",
-            "--json=-",
-        ];
-        let output = seedloop(folder.path(), &words);
+        let symbols = words_of(&case["symbols"]).join(",");
+        let rows = case["at"].as_array().unwrap();
+        let points = rows.iter().map(|row| words_of_numbers(row).join(","));
+        let points: Vec<String> = iter::once(symbols.clone()).chain(points).collect();
+        fs::write(folder.path().join("points.csv"), points.join("\n")).unwrap();
+        let words = format!(
+            "analyse d.csv --factors {symbols} --response y --model linear --gaussian-process --predict points.csv --json=-"
+        );
+        let output = words_in(folder.path(), &words);
         assert_code(&output, 0);
         let report = json(&output);
         let process = &report["gaussian_process"]["process"];
@@ -181,51 +165,31 @@ fn processes_predict_with_their_own_noise_as_r_does() {
     }
 }
 
-/// Predictions of the polynomial are those of `optimise --at`, coded tables of `design` are read by their natural columns, and
-/// levels and columns that the data lack are refused with their place.
+/// Levels and columns that the data lack are refused with their place.
+#[test]
+fn a_table_of_points_that_the_data_lack_is_refused() {
+    let folder = data("warp");
+    let words = "analyse d.csv --categories wool,tension --response y --model 2fi --predict p.csv";
+    for (points, says) in [
+        (
+            "wool,tension\nA,L\nB,X\n",
+            &["p.csv", "line 3", "'X'", "H, L, M"][..],
+        ),
+        ("wool\nA\n", &["p.csv", "no column 'tension'"]),
+    ] {
+        fs::write(folder.path().join("p.csv"), points).unwrap();
+        assert_error(&words_in(folder.path(), words), says);
+    }
+}
+
+/// Predictions of the polynomial are those of `optimise --at`, and coded tables of `design` are read by their natural columns.
 #[test]
 fn a_table_of_points_is_read_as_the_data_are() {
-    let folder = data("warp");
-    fs::write(folder.path().join("p.csv"), "wool,tension\nA,L\nB,X\n").unwrap();
-    let words = [
-        "analyse",
-        "d.csv",
-        "--categories",
-        "wool,tension",
-        "--response",
-        "y",
-        "--model",
-        "2fi",
-        "--predict",
-        "p.csv",
-    ];
-    let output = seedloop(folder.path(), &words);
-    assert_error(&output, &["p.csv", "line 3", "'X'", "H, L, M"]);
-    fs::write(folder.path().join("p.csv"), "wool\nA\n").unwrap();
-    assert_error(
-        &seedloop(folder.path(), &words),
-        &["p.csv", "no column 'tension'"],
-    );
-
     let folder = data("trees");
-    fs::write(
-        folder.path().join("p.csv"),
-        "Girth,Girth_natural,Height\n9,12,75\n",
-    )
-    .unwrap();
-    let words = [
-        "analyse",
-        "d.csv",
-        "--factors",
-        "Girth,Height",
-        "--response",
-        "y",
-        "--predict",
-        "p.csv",
-        "--transform",
-        "ln",
-    ];
-    let output = seedloop(folder.path(), &[&words[..], &["--json", "a.json"]].concat());
+    let points = "Girth,Girth_natural,Height\n9,12,75\n";
+    fs::write(folder.path().join("p.csv"), points).unwrap();
+    let words = "analyse d.csv --factors Girth,Height --response y --predict p.csv --transform ln --json a.json";
+    let output = words_in(folder.path(), words);
     assert_code(&output, 0);
     let said = text(&output.stdout);
     assert!(
@@ -234,18 +198,8 @@ fn a_table_of_points_is_read_as_the_data_are() {
     );
     let analysis = fs::read_to_string(folder.path().join("a.json")).unwrap();
     let analysis: Value = serde_json::from_str(&analysis).unwrap();
-    let words = [
-        "optimise",
-        "a.json",
-        "--target",
-        "20",
-        "--at",
-        "Girth=12,Height=75",
-        "--error",
-        "residual",
-        "--json=-",
-    ];
-    let at = &json(&seedloop(folder.path(), &words))["at"];
+    let words = "optimise a.json --target 20 --at Girth=12,Height=75 --error residual --json=-";
+    let at = &json(&words_in(folder.path(), words))["at"];
     let predicted = &analysis["predictions"][0]["polynomial"];
     for key in ["mean", "se_mean", "se_pred"] {
         let (got, expected) = (predicted[key].as_f64().unwrap(), at[key].as_f64().unwrap());

@@ -1,6 +1,6 @@
 //! Tables as people have them: workbooks beside CSV, numbers of every size.
 
-use crate::{assert_code, assert_error, fixture, seedloop, text};
+use crate::{assert_code, assert_error, fixture, seedloop, text, words_in};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -10,11 +10,6 @@ use tempfile::{TempDir, tempdir};
 /// Ranges of three factors.
 const FACTORS: &str = "symbol,name,unit,low,high\nB,static friction,1,0.30,0.42\nE,restitution,1,0.01,0.18\n\
                        F,rolling friction,1,0.0,0.1\n";
-
-/// Runs the command with words parted by blanks.
-fn words_in(folder: &Path, words: &str) -> Output {
-    seedloop(folder, &words.split(' ').collect::<Vec<_>>())
-}
 
 /// Text as a workbook in a folder.
 fn workbook(folder: &Path, name: &str, csv: &str) {
@@ -277,72 +272,68 @@ fn coefficients_that_are_rounding_are_shown_as_zero() {
     );
 }
 
+/// Text of an [`analyse`] that succeeds.
+fn analysed(folder: &Path, file: &str, response: &str, factors: &str) -> String {
+    let output = analyse(folder, file, response, factors);
+    assert_code(&output, 0);
+    text(&output.stdout).to_owned()
+}
+
+/// Runs `analyse` for a response with these factors.
+fn analyse(folder: &Path, file: &str, response: &str, factors: &str) -> Output {
+    let words = [
+        "analyse",
+        file,
+        "--response",
+        response,
+        "--factors",
+        factors,
+    ];
+    seedloop(folder, &words)
+}
+
 /// A design that goes through pandas, `read_csv` and `to_excel` with all defaults, has the numbers of the rows before it, in no
-/// column of a name: the analysis is that of the design itself. Names with a unit in brackets are found by the name alone.
+/// column of a name: the analysis is that of the design itself.
 #[test]
 fn a_design_that_went_through_pandas_is_analysed_alike() {
     let folder = folder();
     let here = folder.path();
     let csv = fs::read_to_string(here.join("data.csv")).unwrap();
-    let mut lines = csv.lines();
-    let header = lines.next().unwrap();
-    let pandas = |name: &str| {
-        let rows = csv.lines().skip(1).enumerate();
-        let rows: Vec<String> = rows.map(|(i, line)| format!("{i},{line}\n")).collect();
-        format!("{name},{header}\n{}", rows.concat())
-    };
-    fs::write(here.join("again.csv"), pandas("")).unwrap();
-    fs::write(here.join("twice.csv"), pandas("Unnamed: 0")).unwrap();
-    let answer = |file: &str, words: &str| {
-        let output = words_in(here, &format!("analyse {file} --response theta {words}"));
-        assert_code(&output, 0);
-        text(&output.stdout).to_owned()
-    };
-    let expected = answer("data.csv", "--factors factors.csv");
-    for file in ["again.csv", "twice.csv"] {
-        assert_eq!(answer(file, "--factors factors.csv"), expected, "{file}");
+    let header = csv.lines().next().unwrap();
+    let rows = csv.lines().skip(1).enumerate();
+    let rows: Vec<String> = rows.map(|(i, line)| format!("{i},{line}\n")).collect();
+    let expected = analysed(here, "data.csv", "theta", "factors.csv");
+    for (file, name) in [("again.csv", ""), ("twice.csv", "Unnamed: 0")] {
+        let table = format!("{name},{header}\n{}", rows.concat());
+        fs::write(here.join(file), table).unwrap();
+        let found = analysed(here, file, "theta", "factors.csv");
+        assert_eq!(found, expected, "{file}");
     }
+    let [csv, xlsx] = ["tables/pandas.csv", "tables/pandas.xlsx"].map(|name| {
+        let file = fixture(name);
+        let file = file.to_str().unwrap();
+        let factors = "Temp (ºC),Time (min),Solvent (%)";
+        analysed(here, file, "Extraction Yield (%)", factors)
+    });
+    assert_eq!(csv, xlsx);
+    assert!(csv.contains("Temp:Time"), "{csv}");
+}
+
+/// The factor `Temp (deg C)` may be asked for as `Temp`, and another name with a blank is refused.
+#[test]
+fn names_with_a_unit_in_brackets_are_found_by_the_name_alone() {
+    let folder = folder();
+    let here = folder.path();
+    let csv = fs::read_to_string(here.join("data.csv")).unwrap();
     let named = csv
         .replace("theta_deg", "theta [deg]")
         .replace("B_natural", "Temp (deg C)")
         .replace("E_natural", "x2")
         .replace("F_natural", "x3");
     fs::write(here.join("named.csv"), named).unwrap();
-    let found = answer("named.csv", "--factors Temp,x2,x3");
-    let full = seedloop(
-        here,
-        &[
-            "analyse",
-            "named.csv",
-            "--response",
-            "theta",
-            "--factors",
-            "Temp (deg C),x2,x3",
-        ],
-    );
-    assert_code(&full, 0);
-    assert_eq!(text(&full.stdout), found);
-    let [csv, xlsx] = ["tables/pandas.csv", "tables/pandas.xlsx"].map(|name| {
-        let file = fixture(name);
-        let factors = "Temp (ºC),Time (min),Solvent (%)";
-        let words = ["analyse", file.to_str().unwrap(), "--factors", factors];
-        let all = [&words[..], &["--response", "Extraction Yield (%)"]].concat();
-        let output = seedloop(here, &all);
-        assert_code(&output, 0);
-        text(&output.stdout).to_owned()
-    });
-    assert_eq!(csv, xlsx);
-    assert!(csv.contains("Temp:Time"), "{csv}");
-    let refused = seedloop(
-        here,
-        &[
-            "analyse",
-            "named.csv",
-            "--response",
-            "theta",
-            "--factors",
-            "Temp of bath (deg C),E",
-        ],
-    );
+    let found = analysed(here, "named.csv", "theta", "Temp,x2,x3");
+    let full = analysed(here, "named.csv", "theta", "Temp (deg C),x2,x3");
+    assert_eq!(full, found);
+    let refused = analyse(here, "named.csv", "theta", "Temp of bath (deg C),E");
     assert_error(&refused, &["'Temp of bath'", "such as Temp_of_bath"]);
 }

@@ -55,79 +55,60 @@ fn numbers(value: &Value) -> Vec<f64> {
         .collect()
 }
 
+/// The least digits of agreement in two lists.
+fn least_digits(got: impl Iterator<Item = f64>, certified: &Value) -> f64 {
+    got.zip(numbers(certified))
+        .map(|(g, c)| digits(g, c))
+        .fold(15.0, f64::min)
+}
+
+/// The factor of a column; of a model through zero its range is symmetric, so that coded 0 is natural 0.
+fn factor_of(symbol: &str, x: &[f64], through_zero: bool) -> Result<Factor, Box<dyn Error>> {
+    let low = x.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let low = if through_zero { -high } else { low };
+    Ok(Factor::new(symbol, "", "1", low, high)?)
+}
+
 /// One regression set: the factors run from the least to the greatest value, as the command does
 /// with a table of natural values.
 pub(crate) fn regression(name: &str, certified: &Value) -> Result<Row, Box<dyn Error>> {
     let text = std::fs::read_to_string(folder().join(format!("{name}.csv")))?;
     let table = Table::parse(&text)?;
     let column = |j: usize| -> Result<Vec<f64>, Box<dyn Error>> {
-        Ok(table
-            .rows()
-            .iter()
-            .map(|row| table.number(row, j))
-            .collect::<Result<_, _>>()?)
+        let numbers = table.rows().iter().map(|row| table.number(row, j));
+        Ok(numbers.collect::<Result<_, _>>()?)
     };
-    let y = column(0)?;
-    let terms: Vec<&str> = certified["terms"]
-        .as_array()
-        .into_iter()
-        .flatten()
-        .filter_map(Value::as_str)
-        .collect();
+    let terms = certified["terms"].as_array().into_iter().flatten();
+    let mut terms: Vec<&str> = terms.filter_map(Value::as_str).collect();
     let through_zero = !terms.contains(&"1");
+    if through_zero {
+        terms.insert(0, "0");
+    }
+    let y = column(0)?;
     let mut factors = Vec::new();
     let mut coded = vec![Vec::new(); y.len()];
     for (j, symbol) in table.header().iter().enumerate().skip(1) {
         let x = column(j)?;
-        let low = x.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let factor = if through_zero {
-            // A line through zero stays one only if coded 0 is natural 0.
-            Factor::new(symbol, "", "1", -high, high)?
-        } else {
-            Factor::new(symbol, "", "1", low, high)?
-        };
-        for (row, &value) in coded.iter_mut().zip(&x) {
+        let factor = factor_of(symbol, &x, through_zero)?;
+        for (row, value) in coded.iter_mut().zip(x) {
             row.push(factor.coded(value));
         }
         factors.push(factor);
     }
-    let mut formula = terms.join(" + ");
-    if through_zero {
-        formula = format!("0 + {formula}");
-    }
-    let model = Model::parse(&formula, &factors)?;
-    let cells = coded
-        .into_iter()
-        .zip(&y)
-        .map(|(x, &y)| Cell::single(x, y))
-        .collect();
-    let fitted = fit(&factors, &model, &Observations::from_cells(cells)?)?;
-    let rows: Vec<_> = fitted.terms_natural.values().collect();
-    let least = |got: Vec<f64>, wanted: Vec<f64>| {
-        got.into_iter()
-            .zip(wanted)
-            .map(|(g, w)| digits(g, w))
-            .fold(15.0, f64::min)
-    };
+    let model = Model::parse(&terms.join(" + "), &factors)?;
+    let cells = coded.into_iter().zip(y).map(|(x, y)| Cell::single(x, y));
+    let observations = Observations::from_cells(cells.collect())?;
+    let fitted = fit(&factors, &model, &observations)?;
+    let rows = || fitted.terms_natural.values();
+    let or_nan = |x: Option<f64>| x.unwrap_or(f64::NAN);
+    let wanted = |key: &str| or_nan(certified[key].as_f64());
     Ok(Row {
         name: name.to_owned(),
-        estimate: least(
-            rows.iter().map(|r| r.coef).collect(),
-            numbers(&certified["estimate"]),
-        ),
-        spread: least(
-            rows.iter().map(|r| r.se.unwrap_or(f64::NAN)).collect(),
-            numbers(&certified["sd"]),
-        ),
-        residual_sd: digits(
-            fitted.root_mse.unwrap_or(f64::NAN),
-            certified["residual_sd"].as_f64().unwrap_or(f64::NAN),
-        ),
-        r2: digits(
-            fitted.r2.unwrap_or(f64::NAN),
-            certified["r2"].as_f64().unwrap_or(f64::NAN),
-        ),
+        estimate: least_digits(rows().map(|r| r.coef), &certified["estimate"]),
+        spread: least_digits(rows().map(|r| or_nan(r.se)), &certified["sd"]),
+        residual_sd: digits(or_nan(fitted.root_mse), wanted("residual_sd")),
+        r2: digits(or_nan(fitted.r2), wanted("r2")),
         stored: None,
     })
 }
