@@ -118,7 +118,7 @@ fn no_value(series: &PhotoSeries, shown: Shown<'_>) -> String {
     }
 }
 
-/// What is said of the pairs of pictures that do not show their speed beside those that do.
+/// Remark on the pairs of pictures that do not show their speed beside those that do.
 fn without_speed(lost: &[String], shown: usize) -> Option<String> {
     let first = lost.first()?;
     let (lost, all) = (lost.len(), lost.len() + shown);

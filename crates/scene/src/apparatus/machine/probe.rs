@@ -170,7 +170,7 @@ impl Probe {
         [self.from.unwrap_or(0.0), self.to.unwrap_or(1.0)]
     }
 
-    /// Refuses a name that is no word with the unit at its end.
+    /// Refuses a name that is not a word with the unit at its end.
     fn check_name(&self) -> Result<(), Error> {
         let [_, end] = self.reads.unit();
         let is_of_word = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
