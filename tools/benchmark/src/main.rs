@@ -31,7 +31,6 @@ struct Summary<R> {
 }
 
 fn main() -> ExitCode {
-    command_line::use_huge_pages();
     let arguments: Arguments = command_line::parse();
     command_line::finish(run(&arguments))
 }

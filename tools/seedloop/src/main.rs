@@ -79,7 +79,6 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    command_line::use_huge_pages();
     let cli: Cli = command_line::parse();
     command_line::finish(match &cli.command {
         Command::Simulate(arguments) => simulate::run(arguments),

@@ -92,34 +92,6 @@ fn a_run_ends_at_once_with_its_state_kept() {
     }
 }
 
-/// The C library of a running process was asked for pages of 2 MiB, unless the user has asked it for something else.
-#[cfg(all(target_os = "linux", target_env = "gnu"))]
-#[test]
-fn memory_comes_in_large_pages_unless_the_user_says_otherwise() {
-    let (own, of_user) = ("glibc.malloc.hugetlb=1", "glibc.malloc.perturb=0");
-    for (given, expected) in [(None, own), (Some(of_user), of_user)] {
-        let scene = TinyScene::new();
-        let words = ["simulate", "tiny.toml", "time_s=9000", "--out", "out"];
-        let mut child = Command::new(env!("CARGO_BIN_EXE_seedloop"))
-            .args(words)
-            .args(["--keep-every", "0"])
-            .env_remove("GLIBC_TUNABLES")
-            .envs(given.map(|given| ("GLIBC_TUNABLES", given)))
-            .current_dir(scene.path(""))
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        wait_for(|| !names(&scene.path("out"), ".state-2.json").is_empty());
-        let environment = fs::read(format!("/proc/{}/environ", child.id())).unwrap();
-        child.kill().unwrap();
-        child.wait().unwrap();
-        let environment = String::from_utf8_lossy(&environment);
-        let variable = format!("GLIBC_TUNABLES={expected}\0");
-        assert!(environment.contains(&variable), "{environment}");
-    }
-}
-
 /// A program of the user that sleeps for a minute ends with the command, and what it started with it: at SIGTERM, when the terminal is
 /// closed, and after `kill -9`, which the command itself cannot answer. The child would write its file after 5 s: a loaded machine may take more than one to end it.
 #[test]
