@@ -105,3 +105,22 @@ fn two_balls_in_one_place_leave_each_other_alone() {
     assert!(three[..2] == [one, one], "{three:?} N, alone {one} N");
     assert!((three[2] / other - 2.0).abs() < 1e-15, "{three:?} N");
 }
+
+/// A step reads 316 bytes of each body. Of two that touch it reads 8 of the pair, 24 of its list, 128 of each group of eight candidates
+/// and 56 of each contact: these sizes are what docs/benchmarks.md rests on.
+#[test]
+fn a_step_reads_the_bodies_and_the_lists_of_those_that_are_near() {
+    let pair = Pair::random(1.0, &mut Stream::new(11, "bytes"));
+    let mut apart = pair.at(10.0);
+    apart.step().unwrap();
+    assert_eq!(apart.bytes_of_step(), 632);
+    let mut touching = pair.at(3e-3);
+    touching.step().unwrap();
+    let census = touching.census();
+    assert!(
+        census.chunks > 0 && census.sphere_contacts > 0,
+        "{census:?}"
+    );
+    let lists = 8 + 24 + 128 * census.chunks + 56 * census.sphere_contacts;
+    assert_eq!(touching.bytes_of_step(), 632 + lists);
+}
