@@ -78,7 +78,8 @@ fn dealt<S: Simd>(rows: [f64x8<S>; 8]) -> [f64x8<S>; 8] {
     all
 }
 
-/// Four rows of four numbers as columns, by halves: where registers are narrow, numbers that change the half cost most.
+/// Transposes four rows of four numbers. Each row is split into halves first: in narrow registers it costs most to move a number
+/// from one half to the other.
 #[inline(always)]
 pub(crate) fn four_by_four<S: Simd>(rows: [f64x4<S>; 4]) -> [f64x4<S>; 4] {
     let two_columns = |[a, b, c, d]: [f64x2<S>; 4]| {

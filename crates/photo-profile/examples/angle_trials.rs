@@ -82,7 +82,8 @@ fn plain_heap(number: u64) -> HeapScene {
     }
 }
 
-/// The same on a white table, with a foot that spreads or by a camera above it, leaning, with dust and more noise.
+/// A heap that is harder to read: on a white table, leaning, with dust and more noise, and with a foot that spreads or a camera
+/// above it.
 fn hard_heap(number: u64) -> HeapScene {
     let part = |step: f64| part(number, step);
     let above = number.is_multiple_of(3);

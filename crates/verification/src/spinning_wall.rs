@@ -211,8 +211,8 @@ fn turntable() -> Result<[Row; 3], CheckError> {
     ])
 }
 
-/// A ball whose centre is nearly through the shell is pushed back in; a ball that flies along with the drum, and so is nearly at
-/// rest in its frame, is not missed by a plate at rest across its path.
+/// Walls that a ball must not pass: the shell pushes a ball back whose centre is nearly outside, and a plate at rest stops a ball
+/// that moves with the drum, although this ball is nearly at rest in the frame of the lists.
 fn sides() -> Result<[Row; 2], CheckError> {
     let sign = |tolerance| Basis {
         kind: Kind::Trend,

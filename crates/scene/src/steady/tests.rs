@@ -22,8 +22,8 @@ fn judge(series: &[f64]) -> SteadyState {
     rule().judge(series, &vec![true; series.len()])
 }
 
-/// A bed that is kept swinging by chance: white noise through a resonance of one swing that loses `1 - keep` of its
-/// height from value to value.
+/// The series of a bed that swings: white noise drives a resonance with the period of a swing, which loses `1 - keep` of its
+/// amplitude from value to value.
 fn swinging(stream: &mut Stream, n: usize, keep: f64) -> Vec<f64> {
     let turn = TAU / SWING as f64;
     let (mut last, mut before) = (0.0, 0.0);
