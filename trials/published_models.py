@@ -57,6 +57,9 @@ class Model:
     points: int = len(POINTS)
 
 
+# The slices whose difference is taken over all points.
+RIGID, BONDED = "slice, rigid seeds", "slice, bonds a quarter as stiff"
+
 MODELS = [
     Model("as in drum.toml", "drum", SIMILAR, group="rolling"),
     Model("covers at rest", "drum", [*SIMILAR, "apparatus.covers_at_rest=true"]),
@@ -64,8 +67,8 @@ MODELS = [
     Model("smooth filling", "measured", [*SIMILAR, *OPTIMUM], group="rolling", most=1),
     Model("another packing", "drum", [*SIMILAR, *OTHER], group="rolling", most=1, points=1),
     Model("packed with a fifth fewer spheres", "drum", [*SIMILAR, *FEWER], group="rolling", most=1, points=1),
-    Model("slice, rigid seeds", "drum", SLICE, "centre_of_mass_deg", "slice", times=3),
-    Model("slice, bonds a quarter as stiff", "bonded", [*SLICE, *SOFT], "centre_of_mass_deg", "slice", most=1),
+    Model(RIGID, "drum", SLICE, "centre_of_mass_deg", "slice", times=3),
+    Model(BONDED, "bonded", [*SLICE, *SOFT], "centre_of_mass_deg", "slice", most=1),
     Model("slice, bonded seeds", "bonded", SLICE, "centre_of_mass_deg", "slice", most=1, points=1),
 ]
 
@@ -145,14 +148,13 @@ def table(runs):
         print(f"| {model.name} | {effect(low, optimum)} | {effect(wall_low, wall_high)} | {cell(*mean(optimum))} | "
               f"{mean(optimum, lambda run: run.slip)[0]:.2f} | "
               f"{sum(not math.isnan(run.angle) for run in mine)} of {len(mine)} |")
-    rigid, bonded = (model.name for model in MODELS[-3:-1])
-    variance = pooled(runs, [rigid, bonded], lambda run: run.angle)
-    both = [[at(runs, name, point, lambda run: run.angle) for name in (rigid, bonded)] for point in POINTS]
+    variance = pooled(runs, [RIGID, BONDED], lambda run: run.angle)
+    both = [[at(runs, name, point, lambda run: run.angle) for name in (RIGID, BONDED)] for point in POINTS]
     both = [pair for pair in both if all(pair)]
     if both:
         less = statistics.fmean(statistics.fmean(b) - statistics.fmean(a) for a, b in both)
         error = math.sqrt(sum(variance / len(values) for pair in both for values in pair)) / len(both)
-        print(f"\n{bonded}, over {rigid}, at {len(both)} points: {less:.2f} +- {error:.2f} deg")
+        print(f"\n{BONDED}, over {RIGID}, at {len(both)} points: {less:.2f} +- {error:.2f} deg")
 
 
 def main():

@@ -141,8 +141,8 @@ pub(crate) fn next_for_parameters(
             .map(|direction| added_square(candidate, direction, &usual))
             .collect();
         let Some(added) = added else {
-            let left_out = (candidate.model.name.clone(), failure(&samples));
-            next.left_out.extend([left_out]);
+            next.left_out
+                .insert(candidate.model.name.clone(), failure(&samples));
             continue;
         };
         let squares: Vec<f64> = now.iter().zip(&added).map(|(n, a)| n + a).collect();

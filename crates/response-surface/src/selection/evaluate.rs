@@ -131,13 +131,11 @@ pub fn evaluate(design: &Design, model: &Model, over: Over<'_>) -> Result<Evalua
     let (variances, corners) = variances(model, &covariance, over);
     let all = variances.iter().chain(&corners).chain(&solved.leverages);
     let greatest = all.fold(0.0_f64, |m, v| m.max(*v));
-    evaluation.efficiency = Some(Efficiency {
-        mean_variance: match over {
-            Over::Box(_) => mean_variance(model, &covariance),
-            Over::Points(_) => variances.iter().sum::<f64>() / variances.len() as f64,
-        },
-        ..efficiency(&matrix, &solved, greatest)
-    });
+    let mean = match over {
+        Over::Box(_) => mean_variance(model, &covariance),
+        Over::Points(_) => variances.iter().sum::<f64>() / variances.len() as f64,
+    };
+    evaluation.efficiency = Some(efficiency(&matrix, &solved, [mean, greatest]));
     let place = |i: usize| ((variances.len() - 1) * i) / 20;
     let shares = (0..20).map(|i| variances[place(i)]);
     evaluation.variance_by_share = shares.chain([greatest]).collect();
@@ -240,8 +238,12 @@ fn powers(model: &Model, matrix: &Matrix, c: &[Vec<f64>], df: usize) -> NamedVal
     (matrix.first()..matrix.names.len()).map(row).collect()
 }
 
-/// Efficiencies of a design by its matrix and the greatest variance of a prediction, which leaves the mean variance 0.
-fn efficiency(matrix: &Matrix, solved: &LeastSquares, greatest: f64) -> Efficiency {
+/// Efficiencies of a design by its matrix and the mean and greatest variance of a prediction, in variances of a run.
+fn efficiency(
+    matrix: &Matrix,
+    solved: &LeastSquares,
+    [mean_variance, greatest]: [f64; 2],
+) -> Efficiency {
     let (n, p) = (matrix.rows.len(), matrix.names.len());
     let log_of_term = |j: usize| {
         let length: f64 = matrix.rows.iter().map(|r| r[j] * r[j]).sum();
@@ -254,7 +256,7 @@ fn efficiency(matrix: &Matrix, solved: &LeastSquares, greatest: f64) -> Efficien
         d_pct: 100.0 * (log_det / terms).exp() / runs,
         a_pct: 100.0 * terms / (runs * trace),
         g_pct: 100.0 * terms / (runs * greatest),
-        mean_variance: 0.0,
+        mean_variance,
     }
 }
 

@@ -252,7 +252,7 @@ fn script(
         scene.seed_count(),
         2e3 * radius,
         scene.file,
-        ["", "soft_particles yes\n"][usize::from(law.is_soft)],
+        law.soft,
         -1.2 * half,
         1.2 * half,
         scene.model.gravity_m_s2,

@@ -141,11 +141,7 @@ fn head(deck: &BenchDeck<'_>, law: &Law, start: &Frame) -> String {
         scene.apparatus.kind(),
         scene.file,
         start.position.len(),
-        if law.is_soft {
-            "soft_particles yes\n"
-        } else {
-            ""
-        },
+        law.soft,
         law.properties,
         law.model,
         law.settings,

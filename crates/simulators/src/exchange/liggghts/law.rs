@@ -21,8 +21,8 @@ pub(super) struct Law {
     pub(super) model: String,
     /// Its settings, behind the shape.
     pub(super) settings: String,
-    /// Whether a material is softer than LIGGGHTS takes without `soft_particles`.
-    pub(super) is_soft: bool,
+    /// The command that allows materials as soft as these; empty if LIGGGHTS takes them without.
+    pub(super) soft: &'static str,
 }
 
 /// The materials of seeds, shell and cover of a drum, one type of atoms each.
@@ -122,7 +122,11 @@ pub(super) fn law(scene: &Scene, names: &[&str], bodies: &[Arc<SeedBody>]) -> Re
         settings.push_str(" limitForce on");
     }
     Ok(Law {
-        is_soft: young.iter().any(|modulus| *modulus < SOFT),
+        soft: if young.iter().any(|modulus| *modulus < SOFT) {
+            "soft_particles yes\n"
+        } else {
+            ""
+        },
         properties,
         model,
         settings,
