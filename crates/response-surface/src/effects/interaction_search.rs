@@ -143,6 +143,8 @@ mod tests {
         assert_eq!(steps[0].added, "A:B", "{steps:?}");
         assert!((steps[0].coef - 2.5).abs() < 0.15, "{steps:?}");
         assert!(steps[0].rivals.is_empty(), "{steps:?}");
+        let again = steps[1..].iter().any(|step| step.added == "A:B");
+        assert!(!again, "a step builds on those before: {steps:?}");
         assert!(interaction_search(&factors, &data, Weighting::Counts, 2.0).is_err());
     }
 }

@@ -138,6 +138,10 @@ fn the_gate_is_taken_away_in_the_last_phase() {
 #[test]
 fn a_piston_carries_its_stresses() {
     let [lammps, liggghts] = scripts(&scene("compression", &[]));
+    let mut walls = lammps.lines().filter(|l| l.starts_with("region at_"));
+    let moves = |line: &str| line.contains(" move v_dx_piston v_dy_piston v_dz_piston");
+    let of_piston = walls.find(|line| line.starts_with("region at_piston_"));
+    assert!(moves(of_piston.unwrap()), "the piston stays: {of_piston:?}");
     let targets: Vec<f64> = liggghts
         .lines()
         .filter_map(|line| line.strip_prefix("fix_modify piston servo/target_val "))
